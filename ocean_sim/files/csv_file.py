@@ -6,9 +6,7 @@ column of numbers and '' in a column of words. Each reader states the content of
 
 - `read_columns`, of a table that a run wrote: a column in which any cell is a word is a column of words, all others are
   numbers. A last line that a killed run did not finish is skipped.
-- `Table`, of a table that a person names: cells lie between commas, semicolons, tabs or spaces, numbers
-  have a decimal point or, where no comma separates cells, a decimal comma, and times may be dates (ISO 8601). A column
-  that is asked for holds finite numbers alone.
+- `Table`, of a table that a person names, by the rules in CHECKS.
 - `read_records`, every cell as text, row by row.
 """
 
@@ -16,7 +14,7 @@ import csv
 import re
 from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
-from datetime import datetime
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import NamedTuple
 
@@ -40,9 +38,7 @@ DIALECT_RULE = Rule(
     "comma, which stands in quotes where commas separate cells"
 )
 NAMED_COLUMNS_RULE = Rule("columns are found by their exact names, units included, as heave_m")
-FINITE_NUMBERS_RULE = Rule(
-    "every cell of a column that is used is a finite number; times are seconds or dates (ISO 8601)"
-)
+FINITE_NUMBERS_RULE = Rule("a column that is used holds finite numbers; times are seconds or dates (ISO 8601)")
 RISING_TIMES_RULE = Rule("times rise from row to row, each once")
 TIMES_REACHED_RULE = Rule("times count from the beginning of the run, and reach into it")
 DEGREES_RULE = Rule("columns that end in _deg are in degrees")
@@ -96,7 +92,7 @@ class Table(dict[str, np.ndarray]):
             raise WHOLE_TABLE_RULE.broken(path, "it has no rows under a heading")
         self.separator = find_separator(names, self.rows[0])
         self.comma = False  # as the decimal sign
-        self.names = [name.strip() for name in self.cells(names)]
+        self.names = [" ".join(name.split()) for name in self.cells(names)]  # with plain spaces
         self.require(*(renamed or ()))
         self.names = [(renamed or {}).get(name, name) for name in self.names]
         if self.separator != "," or any('"' in row for row in self.rows):
@@ -110,6 +106,10 @@ class Table(dict[str, np.ndarray]):
         found = [cell.strip() for cell in split_cells(row, self.separator)]
         return [cell.replace(",", ".") if self.comma and DECIMAL_NUMBER.fullmatch(cell) else cell for cell in found]
 
+    def column(self, name: str) -> list[str]:
+        """Cells of a column as text."""
+        return [cells[self.names.index(name)] for cells in map(self.cells, self.rows)]
+
     def has_decimal_commas(self) -> bool:
         """True if numbers have a decimal comma, False if a point; raises Unreadable if a file mixes them."""
         found: dict[str, str] = {}
@@ -117,10 +117,8 @@ class Table(dict[str, np.ndarray]):
             numbers = filter(None, map(DECIMAL_NUMBER.fullmatch, self.cells(row)))
             found = {number[1]: number[0] for number in numbers} | found
             if len(found) == 2:
-                signs = (
-                    f"{quoted_piece(found[','])} and, up to {row_and_line(self.path, k)}, {quoted_piece(found['.'])}"
-                )
-                raise DIALECT_RULE.broken(self.path, f"it has {signs}")
+                comma, point = map(quoted_piece, (found[","], found["."]))
+                raise DIALECT_RULE.broken(self.path, f"it has {comma} and, up to {row_and_line(self.path, k)}, {point}")
         return "," in found
 
     def finite(self, *wanted: str, since: int = 0) -> list[np.ndarray]:
@@ -129,7 +127,7 @@ class Table(dict[str, np.ndarray]):
         wrong = np.argwhere(~np.isfinite([self[name][since:] for name in wanted]).T)
         if len(wrong):
             row, name = since + int(wrong[0, 0]), wanted[wrong[0, 1]]
-            cell = self.cells(self.rows[row])[self.names.index(name)]
+            cell = self.column(name)[row]
             found = quoted_piece(cell) if cell else "empty"
             raise FINITE_NUMBERS_RULE.broken(self.path, f"{name} is {found} in {row_and_line(self.path, row)}")
         return [self[name] for name in wanted]
@@ -150,8 +148,8 @@ class Table(dict[str, np.ndarray]):
 
     def resolution(self, name: str) -> float:
         """Rounding step of the numbers in a column, in its unit, by the digits written and by double precision."""
-        k, most = self.names.index(name), max(float(np.abs(self[name]).max()), 1e-300)
-        written = [self.cells(row)[k].strip("+-").lower().partition("e")[0] for row in self.rows]
+        most = max(float(np.abs(self[name]).max()), 1e-300)
+        written = [cell.strip("+-").lower().partition("e")[0] for cell in self.column(name)]
         decimals = max(len(cell.partition(".")[2]) for cell in written)
         digits = max(len(cell.replace(".", "").lstrip("0")) for cell in written)
         return float(max(10.0**-decimals, 10.0 ** (np.ceil(np.log10(most)) - digits), 4.0 * np.spacing(most)))
@@ -163,9 +161,10 @@ class Table(dict[str, np.ndarray]):
             raise WHOLE_TABLE_RULE.broken(self.path, f"it has {len(time)} rows, and a smooth path needs {fewest}")
         back = np.flatnonzero(np.diff(time) <= 0.0)
         if len(back):
-            k = int(back[0])
+            k, cells = int(back[0]), self.column(TIME_COLUMN)
+            anew = ": did a clock start anew, as at midnight or at the end of a GPS week?" if time[k] > time[-1] else ""
             where = row_and_line(self.path, k + 1)
-            raise RISING_TIMES_RULE.broken(self.path, f"{time[k + 1]:.12g} s follows {time[k]:.12g} s in {where}")
+            raise RISING_TIMES_RULE.broken(self.path, f"{cells[k + 1]} follows {cells[k]} in {where}{anew}")
         return [time, *found]
 
     def like_radians(self) -> list[str]:
@@ -230,6 +229,8 @@ def build_columns(
 ) -> dict[str, np.ndarray]:
     """Columns (n,) by name, from lines of text; fast if all cells are numbers. Else `cells_of(row)` splits a row into
     cells, and `column_of(name, cells)` converts a column. Raises Unreadable, with `path` in the message."""
+    if names and not np.isnan([*map(parse_number, names)]).any():
+        raise WHOLE_TABLE_RULE.broken(path, f"its first line is numbers, {quoted_piece(','.join(names))}, no names")
     if (name := first_duplicate(names)) is not None:
         raise WHOLE_TABLE_RULE.broken(path, f"it has two columns {quoted_piece(name)}")
     with suppress(ValueError):  # some cell is not a number, or some row is not whole
@@ -240,34 +241,41 @@ def build_columns(
     for k, row in enumerate(split):
         if len(row) != len(names):
             found = f"{row_and_line(path, k)} has {len(row)} cells under {len(names)} names, {quoted_piece(rows[k])}"
+            found += ", the last one empty: is a separator at its end too many?" * (row[-1] == "")
+            found += f": is {quoted_piece(names[0])} a line above the names, to delete?" * (len(names) == 1)
             raise (DIALECT_RULE if len(row) > len(names) else WHOLE_TABLE_RULE).broken(path, found)
     return {name: column_of(name, found) for name, found in zip(names, zip(*split))}
 
 
 def number_or_word_column(_: str, found: Sequence[str]) -> np.ndarray:
     """Column (n,) of cells `found` as float64, NaN if empty, or as text if any is a word; for `build_columns`."""
-    try:
+    with suppress(ValueError):
         return np.array([float(cell.strip() or "nan") for cell in found])
-    except ValueError:
-        return np.array(found)
+    return np.array(found)
 
 
 def numeric_column(name: str, found: Sequence[str]) -> np.ndarray:
-    """Column `name` (n,) of cells `found` as float64, NaN if no number; ISO dates of `time_s` as s since the first."""
+    """Column `name` (n,) of cells `found` as float64, NaN if no number; dates of `time_s` become s since the first."""
     if name == TIME_COLUMN:
-        with suppress(ValueError):
-            dates = [datetime.fromisoformat(cell) for cell in found if "T" in cell or ":" in cell]
-            if len(dates) == len(found) and len({date.tzinfo is None for date in dates}) == 1:
-                return np.array([(date - dates[0]).total_seconds() for date in dates])
+        times = np.array([parse_date(cell) if "T" in cell or ":" in cell else np.nan for cell in found])
+        if 2 * np.isfinite(times).sum() > len(times):
+            return np.round(times - times[np.isfinite(times)][0], 6)
     return np.array([parse_number(cell) for cell in found])
+
+
+def parse_date(cell: str) -> float:
+    """Time [s] of a date (ISO 8601), since 1970, or of a clock, as 09:12:03.2, since midnight; NaN if it is neither."""
+    with suppress(ValueError):
+        date = datetime.fromisoformat(f"1970-01-01T{cell}" if cell[2:3] == ":" == cell[5:6] else cell)
+        return (date if date.tzinfo else date.replace(tzinfo=UTC)).timestamp()
+    return float("nan")
 
 
 def parse_number(cell: str) -> float:
     """The number in a cell, or NaN."""
-    try:
+    with suppress(ValueError):
         return float(cell)
-    except ValueError:
-        return float("nan")
+    return float("nan")
 
 
 def split_cells(line: str, separator: str = ",") -> list[str]:

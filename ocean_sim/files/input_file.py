@@ -29,6 +29,12 @@ MAX_WORDS = 1000  # of a data set
 BYTE_ORDER_MARK = "\ufeff"  # of the order of bytes, at the beginning of text
 # The mark of UTF-32 begins as that of UTF-16.
 MARKED_CODECS = ("utf-8", "utf-32-le", "utf-32-be", "utf-16-le", "utf-16-be")
+FIRST_BYTES = {  # of files that are no text, and what to do with them
+    b"PK\3\4": "a zip archive or an Excel workbook: unpack it, or save its table as CSV",
+    b"\xd0\xcf\x11\xe0": "an Excel workbook: save its table as CSV",
+    b"MATLAB 5": "a MATLAB file: save its table as CSV",
+    b"\x1f\x8b": "a gzip archive: unpack it",
+}
 SCENE_FOLDER_KEY = "folder"  # the key of the scene's folder in pydantic's context
 
 
@@ -120,11 +126,14 @@ def marked_codec(data: bytes) -> str | None:
 def read_text(path: str | Path, most: int = MAX_FILE_BYTES) -> str:
     """Text of a file of at most `most` bytes, decoded by its byte order mark, else as UTF-8; raises Unreadable."""
     data = read_bytes(path, most)
+    for what in (what for first, what in FIRST_BYTES.items() if data.startswith(first)):
+        raise Unreadable(path, f"this is no text but {what}")
     codec = marked_codec(data) or "utf-8"
     try:
         return data.decode(codec).removeprefix(BYTE_ORDER_MARK)
     except UnicodeDecodeError as error:
-        raise Unreadable(path, f"this is not {codec.upper()} text (byte {error.start})") from None
+        found = f"this is not {codec.upper()} text (byte {error.start})"
+        raise Unreadable(path, f"{found}; save it as UTF-8 (is it damaged, or in Windows-1252?)") from None
 
 
 def read_json(path: str | Path) -> Any:

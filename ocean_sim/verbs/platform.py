@@ -1,6 +1,7 @@
 """`ocean-sim platform`: motion platform commands from a motion log, with metrics, pictures and live replay."""
 
-from collections.abc import Sequence
+import re
+from collections.abc import Callable, Sequence
 from contextlib import closing
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -10,6 +11,7 @@ import numpy as np
 import typer
 
 from ocean_sim.files.atomic_file import atomic_write
+from ocean_sim.files.csv_file import first_duplicate
 from ocean_sim.files.input_file import Unreadable
 from ocean_sim.files.yaml_file import Location, Node, merge_nodes, node_of, read_mapping
 from ocean_sim.observers.platform_log import heading
@@ -20,7 +22,7 @@ from ocean_sim.platform.hexapod import Config, HexapodPlatform
 from ocean_sim.platform.shared import datagrams, motion_log
 from ocean_sim.platform.shared import packets as wire
 from ocean_sim.platform.shared.metrics import Metric, possible_shares, ride_metrics
-from ocean_sim.platform.shared.motion_log import COLUMN_KEYS, FRAME_AXES, MotionLog
+from ocean_sim.platform.shared.motion_log import COLUMN_KEYS, FRAME_AXES, MotionLog, NotedLog
 from ocean_sim.platform.shared.own_log import read_own_log
 from ocean_sim.reading.translation import checked, choice_sentence
 from ocean_sim.verbs.shared import console
@@ -39,36 +41,29 @@ def platform(
     ramp: float | None = typer.Option(
         None, min=0.0, help="Time [s] from neutral into the motion, 3 by default; a stream goes back as slowly."
     ),
-    sets: list[str] | None = typer.Option(
-        None, "--set", help="key=value over platform, washout and geometry: washout.tilt_rate_deg=2."
-    ),
-    columns: str | None = typer.Option(
-        None, help="Your names of a log's columns, as time=t,heave=z,roll=phi; rates and forces may be missing."
-    ),
-    units: str = typer.Option("rad", help="rad or deg: of the angles and rates of a log read by --columns."),
+    sets: list[str] | None = typer.Option(None, "--set", help="key=value over the platform: washout.tilt_rate_deg=2."),
+    columns: str | None = typer.Option(None, help="Your columns, as time=t,heave=z,roll=phi; rates, forces if any."),
+    units: str | None = typer.Option(None, help="rad (default) or deg: of angles whose columns name no unit."),
     axes: str = typer.Option("ship", help="ship, ned or flu: the axes of a log read by --columns."),
-    frame: str | None = typer.Option(
-        None, help="ship, ned or flu: the axes written; the motion log is written in them, too."
-    ),
+    frame: str | None = typer.Option(None, help="ship, ned or flu: the axes written; the log is written, too."),
     stream: str | None = typer.Option(None, help="Replay in real time to an address such as udp://127.0.0.1:5005."),
     packets: str = typer.Option("ocean_sim", help="ocean_sim, openmotionsim, floats or text."),
     key: Path | None = typer.Option(None, help="A file whose content signs every packet of ocean_sim."),
-    best: bool = typer.Option(
-        False, "--best", help="Also the best ride that the legs can give, knowing all of it beforehand."
-    ),
+    best: bool = typer.Option(False, "--best", help="Also the best ride that the legs can give, all of it foreseen."),
     film: bool = typer.Option(False, "--film", help="Also film.gif: the 10 s in which the hexapod moves most."),
     out: Path = typer.Option(Path("runs/platform"), help="Where platform.csv, metrics.csv and the pictures go."),
 ) -> None:
     """Turn a motion log into commands of a motion platform; all is computed before anything is written."""
     with console.claim(out, "platform.csv", ".platform-*"):
-        choices = {"frame": (frame or "flu", FRAME_AXES), "axes": (axes, FRAME_AXES), "units": (units, ("rad", "deg"))}
-        for what, (name, known) in (choices | {"packets": (packets, wire.FORMAT_NAMES)}).items():
+        frames = {"frame": (frame or "flu", FRAME_AXES), "axes": (axes, FRAME_AXES)}
+        others = {"packets": (packets, wire.FORMAT_NAMES), "units": (units or "rad", ("rad", "deg"))}
+        for what, (name, known) in (frames | others).items():
             if name not in known:
                 raise console.Refused(f"--{what}: there is no {name!r}{choice_sentence(name, known)[0]}")
         laid = [*(sets or []), *([] if ramp is None else [f"ramp={ramp!r}"])]
         config = platform_config(geometry, washout, laid)
         sender = open_sender(stream, packets, key) if stream is not None else None
-        ride, said = read_motion_log(log, frame, parse_columns(columns), units == "deg", axes)
+        ride, said = read_motion_log(log, frame, columns, units, axes)
         machine = config.build(ride.every)
         asked = cast(WashoutConfig, config.washout)
         ahead = round((asked.look_ahead or 0.0) / ride.every)
@@ -77,13 +72,13 @@ def platform(
         parts = [machine.follow(rows, later) for rows, later in ride.ride.chunks(ahead)]
         cue = Cue(*map(np.concatenate, zip(*(part.cue for part in parts))))
         done = Commands._make([*map(np.concatenate, list(zip(*parts))[:-1]), cue])
-        found = ride_metrics(ride.ride, done, machine.hexapod, ride.every)
+        found, rides = ride_metrics(ride.ride, done, machine.hexapod, ride.every), {"platform": done}
         if best:
             console.say("finding the best ride; this takes half as long as the ride")
-        possible = machine.best(done) if best else None
-        if possible is not None:
-            found += possible_shares(done, possible, ride.every)
-        files = write_commands(out, ride, done, possible, found, config, machine, frame, film)
+            rides["best"] = machine.best(done)
+            found += possible_shares(done, rides["best"], ride.every)
+        shown = done, rides.get("best"), config, machine, film
+        files = write_commands(out, ride, rides, found, frame, lambda place: pictures.draw_pictures(place, *shown))
         seconds = float(done.time[-1] - done.time[0])
         warnings = list(config.cut_short(seconds))
         starting = START_RAMPS * config.ramp  # [s]
@@ -110,9 +105,8 @@ def platform(
             jitter, latency = stream_ride(sender, done, machine, frame or "flu"), sender.latency()
             files += write_leg_reports(out, sender)
         answer: dict[str, Any] = {"log": log, "rows": len(done.time), "every_s": ride.every, "files": files}
-        answer["metrics"] = [metric._asdict() for metric in found]
-        answer |= {"warnings": warnings, "derived": said, "stream": jitter and jitter._asdict()}
-        answer["latency"] = latency and latency._asdict()
+        answer |= {"metrics": [metric._asdict() for metric in found], "warnings": warnings, "derived": said}
+        answer |= {"stream": jitter and jitter._asdict(), "latency": latency and latency._asdict()}
         console.answer(answer)
         if sender is not None:
             for told in filter(None, (jitter, latency, sender.stop_report())):
@@ -152,65 +146,55 @@ def open_sender(stream: str, packets: str, key: Path | None) -> datagrams.Sender
         raise console.Refused(f"--stream: {stream}: {error.strerror}") from None
 
 
-def parse_columns(text: str | None) -> dict[str, str] | None:
-    """Column names of a log by this program's keys, from a text `time=t,heave=z` of --columns; raises Refused."""
-    if text is None:
-        return None
-    pairs = [word.partition("=")[::2] for word in text.split(",")]
+def parse_columns(text: str) -> dict[str, str]:
+    """Names of columns, also with commas, by this program's keys, from a text `time=t,heave=z`; raises Refused."""
+    words = re.split(r",(?=[^,=]*=)", " ".join(text.split()))
+    pairs = [(key.strip(), own.strip()) for key, _, own in (word.partition("=") for word in words)]
     for key, own in pairs:
-        if key.strip() not in COLUMN_KEYS or not own.strip():
-            ends = choice_sentence(key.strip(), COLUMN_KEYS)[0] if own.strip() else ""
+        if key not in COLUMN_KEYS or not own:
+            ends = choice_sentence(key, COLUMN_KEYS)[0] if own else ""
             raise console.Refused(f"--columns: {key}={own} is not like heave=NAME, roll=NAME{ends}")
-    return {key.strip(): own.strip() for key, own in pairs}
+    for each in zip(*pairs):
+        if (twice := first_duplicate([*each])) is not None:
+            raise console.Refused(f"--columns: {twice} is given twice; each key has one column of its own")
+    return dict(pairs)
 
 
-def read_motion_log(
-    log: Path, frame: str | None, columns: dict[str, str] | None = None, degrees: bool = False, axes: str = "ship"
-) -> tuple[MotionLog, list[str]]:
-    """Motion log from a CSV file or run folder, and sentences on columns that were derived. `frame`: axes to which it
-    must be convertible. `columns` (by COLUMN_KEYS), `degrees`, `axes`: for a log of other software. Raises Refused."""
+def read_motion_log(log: Path, frame: str | None, columns: str | None, units: str | None, axes: str) -> NotedLog:
+    """Motion log from a CSV file or run folder, and sentences on it. `frame`: axes to which it must be convertible.
+    `columns`, `units`, `axes`: options for a log of other software. Raises Refused."""
     path = log / "motion.csv" if log.is_dir() else log
     if log.is_dir() and (log / "manifest.json").is_file() and not any(log.glob("motion*.csv")):
         raise console.Refused(f"{log}: this run has no motion log: its scene has no ship, or motion: null")
     several = sorted(found.name for found in log.glob("motion_*.csv")) if log.is_dir() and not path.exists() else []
     if several:
         raise console.Refused(f"{log} holds the logs of several ships; name one of {', '.join(several)}")
-    ride, said = (motion_log.read_log(path), []) if columns is None else read_own_log(path, columns, degrees, axes)
+    ride, said = read_own_log(path, parse_columns(columns), units, axes) if columns else (motion_log.read_log(path), [])
     if frame is not None:
         motion_log.check_convertible(ride)
     return ride, said
 
 
 def write_commands(
-    out: Path,
-    log: MotionLog,
-    done: Commands,
-    best: Commands | None,
-    found: list[Metric],
-    config: Config,
-    machine: HexapodPlatform,
-    frame: str | None,
-    film: bool,
+    out: Path, log: MotionLog, rides: dict[str, Commands], found: list[Metric], frame: str | None, draw: Callable
 ) -> list[Path]:
-    """Write commands `done`, those of the `best` motion within the limits, if planned, metrics `found` and pictures;
+    """Write commands of `rides`, by name of the file, metrics `found` and the pictures that `draw` draws in a folder;
     return their paths. Files are moved into the folder `out` only when all are complete. `frame`: axes of the rows
-    (None: FLU; else the `log` is written along them, too); `machine`: the platform; `film`: True to draw one."""
+    (None: FLU; else the `log` is written along them, too)."""
     with TemporaryDirectory(prefix=".platform-", dir=out) as draft:
         folder = Path(draft)
         kept = {key: text for key, text in log.table.head.items() if key in ("start", "seed")}
         axes = frame or "flu"
-        for name, ride in (("platform", done), ("best", best)):
-            if ride is not None:
-                force, rate = ride.felt_force @ FRAME_AXES[axes].T, ride.felt_rate @ FRAME_AXES[axes].T
-                turned = ride._replace(pose=wire.turn_to_frame(ride.pose, axes), felt_force=force, felt_rate=rate)
-                head = heading(log.every, axes) | kept
-                commands_table(folder / f"{name}.csv", head, PLATFORM_COLUMNS, turned.rows())
+        for name, ride in rides.items():
+            force, rate = ride.felt_force @ FRAME_AXES[axes].T, ride.felt_rate @ FRAME_AXES[axes].T
+            turned = ride._replace(pose=wire.turn_to_frame(ride.pose, axes), felt_force=force, felt_rate=rate)
+            commands_table(folder / f"{name}.csv", heading(log.every, axes) | kept, PLATFORM_COLUMNS, turned.rows())
         commands_table(folder / "metrics.csv", {}, Metric._fields, found)
         if frame is not None:
             changed = log.table.head | {"frame": frame, "axes": motion_log.AXES_IN_WORDS[frame]}
             converted = motion_log.convert_rows(log, frame)
             commands_table(folder / f"motion_{frame}.csv", changed, log.table.names, converted)
-        console.draw_if_able(pictures.draw_pictures, folder, done, best, config, machine, film)
+        console.draw_if_able(draw, folder)
         for name in RIDE_FILES:
             (out / name).unlink(missing_ok=True)
         return [path.replace(out / path.name) for path in sorted(folder.iterdir())]
@@ -268,9 +252,7 @@ def print_report(done: Commands, found: list[Metric], files: list[Path]) -> None
         console.say("  --set 'washout.force_scale=[0.3, 0.3, 0.2]', say, or rotation_scale asks less of the legs")
     if "share_of_possible_all" in value:
         share, error, least = (value[k] for k in ("share_of_possible_all", "sensed_error", "sensed_error_best"))
-        console.say(
-            f"people sense an error of {error:.3g} of what they notice, and of {least:.3g} on the best ride of these "
-            f"legs (best.csv, best.png): the washout reaches {100.0 * share:.3g} % of the possible"
-        )
+        sensed = f"people sense an error of {error:.3g} of what they notice, {least:.3g} on the best ride of these legs"
+        console.say(f"{sensed} (best.csv, best.png): the washout reaches {100.0 * share:.3g} % of the possible")
     console.say(f"motion sickness dose {sick[0]:.3g} m/s1.5 on the ship, {sick[1]:.3g} on the platform (ISO 2631-1)")
     console.say(f"{files[0].parent}: {', '.join(path.name for path in files)}")

@@ -123,6 +123,7 @@ def test_times_are_dates_or_seconds_and_rise(file):
     for cells in (
         ("2024-03-01T12:00:00", "2024-03-01T12:00:00.5"),
         ("2024-03-01 12:00:00Z", "2024-03-01T13:00:00.5+01:00"),
+        ("09:12:00", "09:12:00.500"),
     ):
         [time, x] = csv_file.Table(file("sep=;\ntime_s;x_m\n" + "".join(f"{cell};1\n" for cell in cells))).series("x_m")
         assert time.tolist() == [0.0, 0.5] and x.tolist() == [1.0, 1.0]
@@ -137,6 +138,47 @@ def test_times_are_dates_or_seconds_and_rise(file):
     for cells in (["2024-03-01", "2024-03-02"], ["2024-03-01T12:00:00", "2"], ["12:00", "2024-03-01T12:00:00"]):
         with pytest.raises(Unreadable, match=f"time_s is '{cells[0]}' in row 1"):
             csv_file.Table(file("time_s,x_m\n" + "".join(f"{cell},1\n" for cell in cells))).series("x_m")
+
+
+@pytest.mark.parametrize("wrong", ["2026-05-17T09:12:5Z", "2026-05-32T09:12:05Z", "2016-12-31T23:59:60Z", "5"])
+def test_one_bad_date_is_named_where_it_stands(file, wrong):
+    cells = [f"2026-05-17T09:12:{second:02}Z" for second in range(9)]
+    with pytest.raises(Unreadable, match=rf"time_s is '{wrong}' in row 6 \(line 7\)"):
+        csv_file.Table(file("\n".join(["time_s", *cells[:5], wrong, *cells[6:]]))).series()
+
+
+@pytest.mark.parametrize("cells", [("604799.8", "604799.9", "0.0"), ("23:59:59.8", "23:59:59.9", "00:00:00.0")])
+def test_a_clock_that_starts_anew_is_named(file, cells):
+    with pytest.raises(Unreadable, match=rf"{cells[2]} follows {cells[1]} in row 3 .*: did a clock start anew"):
+        csv_file.Table(file("time_s\n" + "\n".join(cells))).series()
+
+
+@pytest.mark.parametrize(
+    "text, said",
+    [
+        ("0.0,0.0,1.5\n0.1,0.1,1.6\n", "its first line is numbers, '0.0,0.0,1.5', no names"),
+        ("Export v3\ntime_s,x_m\n0,1\n", r"row 1 \(line 2\) .* is 'Export v3' a line above the names"),
+        ("time_s,x_m\n0,1,\n1,2,\n", r"row 1 \(line 2\) .* is a separator at its end too many"),
+    ],
+)
+def test_what_is_wrong_with_the_line_of_names_is_said(file, text, said):
+    with pytest.raises(Unreadable, match=said):
+        csv_file.Table(file(text))
+
+
+@pytest.mark.parametrize(
+    "content, said",
+    [
+        (b"PK\3\4\x14\0", "an Excel workbook: .*save its table as CSV"),
+        (b"MATLAB 5.0 MAT-file", "a MATLAB file"),
+        (b"\x1f\x8b\x08\0", "a gzip archive: unpack it"),
+        ("Roll [\xb0]\n1\n".encode("latin-1"), "this is not UTF-8 text .*Windows-1252"),
+    ],
+)
+def test_a_file_that_is_no_text_is_known_by_its_first_bytes(tmp_path, content, said):
+    (tmp_path / "t.csv").write_bytes(content)
+    with pytest.raises(Unreadable, match=said):
+        csv_file.Table(tmp_path / "t.csv")
 
 
 @pytest.mark.parametrize("codec", ["utf-8", "utf-16-le", "utf-16-be", "utf-32-le", "utf-32-be"])

@@ -127,7 +127,7 @@ def test_files_that_cannot_be_scenes(tmp_path):
     assert sentence(tmp_path) == "x.yaml: this is a folder, not a file"
     assert sentence(tmp_path / "empty.yaml") == "x.yaml:1:1: this file is empty; a mapping was expected"
     assert sentence(tmp_path / "list.yaml") == "x.yaml:1:1: expected a mapping of keys to values, got a list"
-    assert sentence(tmp_path / "latin.yaml") == "x.yaml: this is not UTF-8 text (byte 7)"
+    assert sentence(tmp_path / "latin.yaml").startswith("x.yaml: this is not UTF-8 text (byte 7); save it")
     assert sentence(tmp_path / "zero.yaml").startswith("x.yaml:1:1: not valid YAML: ")
 
 

@@ -7,9 +7,11 @@ import numpy as np
 import pytest
 
 from ocean_sim.files.csv_file import read_columns as read_columns
+from ocean_sim.files.input_file import Unreadable
 from ocean_sim.platform import PLATFORM_COLUMNS
 from ocean_sim.platform.hexapod import Config
 from ocean_sim.platform.shared import motion_log
+from ocean_sim.verbs.platform import read_motion_log
 from ocean_sim.verbs.shared import platform_pictures
 from tests.platform.conftest import Listener, columns, ride, write
 
@@ -174,6 +176,9 @@ def test_other_geometries_and_washouts(ask, log, tmp_path):
         (["--packets", "x"], "--packets: there is no 'x'"),
         (["--stream", "tcp://there"], "--stream: 'tcp://there' is not like udp://127.0.0.1:5005"),
         (["--stream", "udp://nowhere.invalid:5"], "--stream: udp://nowhere.invalid:5: "),
+        (["--stream", "udp://255.255.255.255:5"], "--stream: udp://255.255.255.255:5: "),
+        (["--columns", "time=t,heave=a,heave=b"], "--columns: heave is given twice"),
+        (["--columns", "time=t,roll=a,pitch=a"], "--columns: a is given twice"),
     ],
 )
 def test_what_makes_no_sense_is_refused(ask, log, tmp_path, words, sentence):
@@ -294,7 +299,51 @@ def test_what_an_own_log_lacks_is_said_at_once(ask, tmp_path):
     assert "has no column for any of sway_m" in ask(path, "--columns", "time=t")[2]
     steep = own_log(path, columns(10.0, roll=0.2), **OWN)
     code, _, err = ask(steep, *COLUMNS[:2])
-    assert code == 2 and "roll_rad reaches 11.5 rad; is it in degrees (--units deg)?" in err
+    assert code == 2 and "roll_rad reaches 11.5 rad; is Roll in degrees (--units deg, or in its name)?" in err
+
+
+UNITS = {  # of the time, the heave and the roll of one log, by their names, and how many one of ours is
+    "a": {"Time (ms)": 1e3, "Heave, mean (cm)": 100.0, "Roll (mrad)": 1e3},
+    "b": {"Time (min)": 1.0 / 60.0, "Heave [ft]": 1.0 / 0.3048, "Roll/deg": 180.0 / np.pi},
+    "c": {"Excel time (days)": 1.0 / 86400.0, "heave_mm": 1e3, "Roll (deg, port up)": 180.0 / np.pi},
+    "d": {"t": 1.0, "z": 1.0, "roll_rad": 1.0},
+}
+
+
+@pytest.mark.parametrize("case", UNITS)
+def test_units_are_those_in_the_names_of_columns(case, tmp_path):
+    table, names = columns(20.0, dt=0.02), UNITS[case]
+    own = [table[name] * factor for name, factor in zip(("time_s", "heave_m", "roll_rad"), names.values())]
+    rows = [",".join(format(value, ".12g") for value in row) for row in zip(*own)]
+    (tmp_path / "own.csv").write_text("\n".join([",".join(f'"{name}"' for name in names), *rows]), encoding="utf-8")
+    text = ",".join(f"{key}={name}" for key, name in zip(("time", "heave", "roll"), names))
+    ride, _ = read_motion_log(tmp_path / "own.csv", None, text, None, "ship")
+    assert ride.every == pytest.approx(0.02, rel=1e-6)
+    for name in ("heave_m", "roll_rad"):
+        np.testing.assert_allclose(ride.table[name], table[name], atol=1e-8)
+
+
+@pytest.mark.parametrize(
+    "own, units, sentence",
+    [
+        ("roll=Roll (deg),pitch=Pitch (rad)", "deg", "pitch has the column Pitch (rad), which is in rad"),
+        ("roll=Roll (deg)", "rad", "roll has the column Roll (deg), which is in deg"),
+        ("heave=Roll (deg)", None, "heave has the column Roll (deg), which is in deg"),
+        ("roll=Roll (deg),pitch=Pitch", None, "Pitch states no unit, others do: is it in degrees (--units deg)?"),
+    ],
+)
+def test_a_unit_that_contradicts_a_motion_or_an_option_is_refused(own, units, sentence, tmp_path):
+    (tmp_path / "own.csv").write_text("t,Roll (deg),Pitch (rad),Pitch\n0,1,0.1,1\n0.1,1,0.1,1\n")
+    with pytest.raises(Unreadable) as caught:
+        read_motion_log(tmp_path / "own.csv", None, f"time=t,{own}", units, "ship")
+    assert sentence in str(caught.value)
+
+
+def test_a_unit_after_a_time_that_is_a_date_changes_nothing(tmp_path):
+    rows = [f"2026-05-17T09:12:0{k / 10:.1f}Z,0.1" for k in range(20)]
+    (tmp_path / "own.csv").write_text("\n".join(["Time (ms),Heave (m)", *rows]))
+    ride, _ = read_motion_log(tmp_path / "own.csv", None, "time=Time (ms),heave=Heave (m)", None, "ship")
+    assert ride.every == pytest.approx(0.1)
 
 
 def test_limited_rows_are_counted_by_reason(ask, draw_nothing, tmp_path):

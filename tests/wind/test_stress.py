@@ -183,7 +183,7 @@ def test_a_row_of_a_file_that_is_no_wind_is_named(tmp_path):
     for rows, said in (
         ("0,5,90\n10,,90\n", "wind.csv: speed_m_s is empty in row 2"),
         ("2026-01-01,5,90\n", "wind.csv: time_s is '2026-01-01' in row 1"),
-        ("0,5,90\n10,6,90\n9,7,90\n", "9 s follows 10 s in row 3"),
+        ("0,5,90\n10,6,90\n9,7,90\n", "9 follows 10 in row 3"),
     ):
         path.write_text("time_s,speed_m_s,heading_deg\n" + rows)
         with pytest.raises(SceneError, match=said):

@@ -88,7 +88,7 @@ class Latency(NamedTuple):
 
 class Sender:
     """UDP sender of packets at the pace of their own times, signed if it has a key. Raises ValueError for a malformed
-    address or a layout without place for a signature, OSError for an unknown host.
+    address or a layout without place for a signature, OSError for an unknown host or a broadcast.
 
     A packet that comes too late is sent at once and resets the clock: later ones keep their pace, without a burst.
     """
@@ -103,8 +103,11 @@ class Sender:
         self.key, self.began = key, time.time_ns()
         try:
             kind = socket.getaddrinfo(*self.address, type=socket.SOCK_DGRAM)[0][0]
+            with socket.socket(kind, socket.SOCK_DGRAM) as probe:
+                probe.connect(self.address)  # sends nothing
         except OSError as error:
-            raise OSError(error.errno, error.strerror or str(error), url) from None
+            why = "it is that of all machines, name one" if isinstance(error, PermissionError) else error.strerror
+            raise OSError(error.errno, why or str(error), url) from None
         self.socket = socket.socket(kind, socket.SOCK_DGRAM)
         self.start: float | None = None  # what the clock shows at time 0 of the rows [s]
         self.sent: list[float] = []  # [s]

@@ -23,8 +23,14 @@ POSE_COLUMNS = ("sway_m", "heave_m", "surge_m", "pitch_rad", "yaw_rad", "roll_ra
 REQUIRED_COLUMNS = (TIME_COLUMN, *POSE_COLUMNS, *RATE_COLUMNS, *FORCE_COLUMNS)
 UNIT_PATTERN = re.compile(r"_(rad_s|m_s2|rad|m|s)$")
 COLUMN_KEYS = {UNIT_PATTERN.sub("", name).removeprefix("specific_"): name for name in REQUIRED_COLUMNS}  # of --columns
-OTHER_NAMES = (r"time|utc|stamp|epoch|^t\b", "surge", "sway", "heave", "roll", "pitch", "yaw|hdg|heading")  # each a key
-OTHER_QUANTITY = re.compile(r",|rate|vel|acc|speed|/s|(\b|_)(cm|mm|ft)\b", re.IGNORECASE)  # or no name for --columns
+KEY_UNITS = {key: UNIT_PATTERN.findall(name)[0] for key, name in COLUMN_KEYS.items()}  # s, m, rad, rad_s or m_s2
+MOTIONS = ("surge", "sway", "heave", "roll", "pitch", "yaw")  # each a key of --columns
+OTHER_NAMES = {"time": r"time|utc|stamp(?!f)|epoch|^t\b", **dict(zip(MOTIONS, MOTIONS)), "yaw": "yaw|hdg|heading"}
+OTHER_QUANTITY = re.compile(r"rate|vel|acc|speed", re.IGNORECASE)
+UNITS_TABLE = csv_file.read_records((Path(__file__).parent / "units.csv").read_text(encoding="utf-8"))
+UNITS = {row["word"]: (row["unit"], float(row["factor"])) for row in UNITS_TABLE}
+# In brackets; or at the end, unless it is a letter that may stand for a motion.
+NAMED_UNIT = re.compile(rf"(?:[(\[{{]\s*|[_\s/](?![dghs]$|in$))({'|'.join(map(re.escape, UNITS))})\s*(?:[)\]}},;]|$)")
 Columns = tuple[Sequence[str], np.ndarray]  # names of (n, k) values
 
 # Components along the axes of each frame, from those along FLU (x forward, y left, z up).
@@ -54,17 +60,14 @@ MAX_TURNED_APART = 0.02  # [rad] between a quaternion and the angles, in half of
 UNIT_FACTORS = {180.0 / np.pi: "degrees", GRAVITY: "g", 1000.0: "mm", 100.0: "cm", 3.6: "km/h", 1.9438: "knots"}
 
 AXES_RULE = Rule(f"its head says its axes, `# frame:` one of {', '.join(LOG_FRAMES)}, and gravity points down in them")
-EVEN_RULE = Rule(
-    f"rows are evenly spaced, to the digits of their times, {MIN_ROW_RATE:g} a second or more, without a gap"
-)
-POSSIBLE_RULE = Rule(
-    f"a ship moves at less than {MAX_SPEED:g} m/s, turns at less than {MAX_TURN_RATE:g} rad/s and feels about 1 g"
-)
+EVEN_RULE = Rule(f"rows are evenly spaced, {MIN_ROW_RATE:g} a second or more (2 with `--columns`), without a gap")
+POSSIBLE_RULE = Rule(f"a ship moves below {MAX_SPEED:g} m/s, turns below {MAX_TURN_RATE:g} rad/s and feels about 1 g")
 AGREEMENT_RULE = Rule(
     "columns that say the same agree: angles, rates and quaternion, positions, velocities and accelerations, "
     "and specific force with all of them and gravity"
 )
-LOG_RULES = (AXES_RULE, EVEN_RULE, POSSIBLE_RULE, AGREEMENT_RULE)
+UNITS_RULE = Rule("a column's name may state a unit of its quantity, `--units` is for angles whose names state none")
+LOG_RULES = (AXES_RULE, EVEN_RULE, POSSIBLE_RULE, AGREEMENT_RULE, UNITS_RULE)
 CHECKS = (Checked("A motion log, `ocean-sim platform LOG`: a table over time", LOG_RULES),)
 
 
@@ -112,6 +115,9 @@ class MotionLog(NamedTuple):
         return (whole[n:] - whole[:-n]) / n
 
 
+NotedLog = tuple[MotionLog, list[str]]  # with sentences on what was assumed or derived
+
+
 def frame_signs(frame: str) -> np.ndarray:
     """Signs (3,) that convert roll, pitch, yaw, or surge, sway, heave, between FLU and a frame: 1, -1, -1 for `ned`."""
     return np.array([1.0, -1.0, -1.0]) if frame == "ned" else np.ones(3)
@@ -139,26 +145,41 @@ def read_log(path: str | Path) -> MotionLog:
     return checked_log(table)
 
 
+def named_unit(name: str) -> tuple[str, float, str]:
+    """Unit in the name of a column: that of this program, how many of it one is, and its word; or `"", 1, ""`."""
+    found = NAMED_UNIT.search(name.lower())
+    return (*UNITS[found[1]], found[1]) if found else ("", 1.0, "")
+
+
 def suggested_command(table: Table) -> str:
-    """Clause with the command that reads a log of other software; columns and units guessed from names and values."""
-    names = [name for name in table if name.isprintable() and not OTHER_QUANTITY.search(name)]
-    alike = {words.split("|")[0]: next(filter(re.compile(words, re.I).search, names), "") for words in OTHER_NAMES}
-    rest = [name for name in names if name not in alike.values()]
-    alike["time"] = alike["time"] or next((name for name in rest if like_times(table, name)), "...")
-    angles = [each for each in map(alike.get, ("roll", "pitch", "yaw")) if each and "rad" not in each.lower()]
-    degrees = any(re.search("deg|\xb0", each.lower()) or (np.abs(table[each]) > 2.0 * np.pi).any() for each in angles)
+    """Clause with the command that reads a log of other software; columns guessed from names, units and values."""
+    units = {name: named_unit(name)[0] for name in table if name.isprintable() and not OTHER_QUANTITY.search(name)}
+    fits = {key: [name for name in units if units[name] in ("", KEY_UNITS[key])] for key in OTHER_NAMES}
+    alike = {key: next(filter(re.compile(how, re.I).search, fits[key]), "") for key, how in OTHER_NAMES.items()}
+    rest = [name for name in units if name not in alike.values()]
+    timed = (name for name in rest if name in fits["time"] and (units[name] or like_times(table, name)))
+    time = alike["time"] = alike["time"] or next(timed, "...")
+    free = [key for key in MOTIONS if not alike[key]]
+    rest = [name for name in rest if name != time and np.isfinite(table[name]).any()]
+    left = [name for name in rest if any(name in fits[key] for key in free)]
+    if len(free) == len(MOTIONS) and not left:
+        return f"none of its columns is one of {', '.join(free)}, in its unit"
+    if time in table and np.isnan(csv_file.numeric_column(TIME_COLUMN, cells := table.column(time))[0]):
+        units_row = "; write units into the names, as Heave (m)" * (cells[0].strip("()[]") in UNITS)
+        return f"its {time} begins with {cells[0]!r}, no number or date like 2026-05-17T09:12:00Z (ISO 8601){units_row}"
+    silent = [name for name in map(alike.get, MOTIONS[3:]) if name and not units[name]]
+    degrees = any(re.search("deg|\xb0", each.lower()) or (np.abs(table[each]) > 2.0 * np.pi).any() for each in silent)
     columns = ",".join(f"{key}={name}" for key, name in alike.items() if name)
     command = shlex.join(["ocean-sim", "platform", display_path(table.path), "--columns", columns])
-    unit, unsure = (" --units deg", "") if degrees else ("", "`--units deg` if angles are in degrees, ")
-    left, free = [name for name in rest if name != alike["time"]], [key for key in alike if not alike[key]]
-    more = f", and {', '.join(left[:4])} as one of {', '.join(free)}" if left and free else ""
-    return f"name yours: `{command}{unit}`, with {unsure}`--axes ned` if down is positive{more} (docs/guide/own_log.md)"
+    unsure = not all(units[name] for name in [*silent, *left]) and not degrees
+    also = " --units deg`, with " if degrees else "`, with " + "`--units deg` if angles are in degrees, " * unsure
+    more = f", and {', '.join(left[:4])} as one of {', '.join(free)}" if left else ""
+    return f"name yours: `{command}{also}`--axes ned` if down is positive{more} (docs/guide/own_log.md)"
 
 
 def like_times(table: Table, name: str) -> bool:
     """True if a column may hold times: dates, or numbers that rise evenly and do not count rows."""
-    k = table.names.index(name)
-    steps = np.diff(csv_file.numeric_column(TIME_COLUMN, [table.cells(row)[k] for row in table.rows]))
+    steps = np.diff(csv_file.numeric_column(TIME_COLUMN, table.column(name)))
     return len(steps) > 0 and 0.0 < steps.max() < 2.0 * steps.min() and bool((steps != 1.0).any())
 
 

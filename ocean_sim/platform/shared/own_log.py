@@ -10,17 +10,10 @@ from pathlib import Path
 
 import numpy as np
 
-from ocean_sim.files.csv_file import NAMED_COLUMNS_RULE, Table
+from ocean_sim.files.csv_file import NAMED_COLUMNS_RULE, Table, parse_number
 from ocean_sim.platform.shared import motion_log
 from ocean_sim.platform.shared.kinematics import felt_motion
-from ocean_sim.platform.shared.motion_log import (
-    ANGLE_COLUMNS,
-    COLUMN_KEYS,
-    FORCE_COLUMNS,
-    POSE_COLUMNS,
-    RATE_COLUMNS,
-    TIME_COLUMN,
-)
+from ocean_sim.platform.shared.motion_log import ANGLE_COLUMNS, COLUMN_KEYS, POSE_COLUMNS, TIME_COLUMN, UNITS_RULE
 
 SMOOTHING_SECONDS = 0.5  # [s]
 POLYNOMIAL_DEGREE = 4
@@ -29,25 +22,25 @@ MAX_ROW_TIME, SPLINE_ROW_RATE = 0.5, 20.0  # [s] between rows that splines can b
 MAX_GAP_ROWS = 3.0  # times between rows that a gap may be long where uneven rows are interpolated
 
 
-def read_own_log(
-    path: str | Path, columns: dict[str, str], degrees: bool, axes: str
-) -> tuple[motion_log.MotionLog, list[str]]:
-    """Motion log at `path`, and sentences on what was assumed or derived. `columns`: names in the file by key of
-    COLUMN_KEYS; `degrees`: True if its angles are in degrees; `axes`: frame if its head has none. Raises Unreadable."""
+def read_own_log(path: str | Path, columns: dict[str, str], units: str | None, axes: str) -> motion_log.NotedLog:
+    """Motion log at `path`, and sentences on it. `columns`: names in the file by key of COLUMN_KEYS; `units`: deg or
+    rad of angles whose names state no unit; `axes`: frame if its head has none. Raises Unreadable."""
     table = Table(path, {own: COLUMN_KEYS[key] for key, own in columns.items()})
     table.head.setdefault("frame", axes)
     known = {name: table[name] for name in motion_log.REQUIRED_COLUMNS if name in table}
     if not known.keys() & {*POSE_COLUMNS}:
         raise NAMED_COLUMNS_RULE.broken(path, f"it has no column for any of {', '.join(POSE_COLUMNS)}")
-    table.finite(TIME_COLUMN, *known)
-    table.head["start"] = table.cells(table.rows[0])[table.names.index(TIME_COLUMN)]
-    for name in known.keys() & {*ANGLE_COLUMNS, *RATE_COLUMNS}:
-        known[name] = np.radians(known[name]) if degrees else known[name]
-    for name in known.keys() & {*ANGLE_COLUMNS}:
-        known[name] = np.unwrap(known[name])
-        if name != "yaw_rad" and (most := np.abs(known[name]).max()) > MAX_TILT:
-            found = f"{name} reaches {most:.3g} rad; is it in degrees (--units deg)?"
-            raise motion_log.POSSIBLE_RULE.broken(path, found)
+    table.series(*known, fewest=2)
+    table.head["start"] = table.column(TIME_COLUMN)[0]
+    for key, factor in unit_factors(path, columns, units).items():
+        name = COLUMN_KEYS[key]
+        if name != TIME_COLUMN or np.isfinite(parse_number(table.head["start"])):  # no date
+            known[name] = factor * known[name]
+        if name in ANGLE_COLUMNS:
+            known[name] = np.unwrap(known[name])
+            if key != "yaw" and (most := np.abs(known[name]).max()) > MAX_TILT:
+                found = f"{name} reaches {most:.3g} rad; is {columns[key]} in degrees (--units deg, or in its name)?"
+                raise motion_log.POSSIBLE_RULE.broken(path, found)
     said = even_times(table, known)
     absent = [name for name in POSE_COLUMNS if name not in known]
     known = dict.fromkeys(absent, 0.0 * known[TIME_COLUMN]) | known
@@ -59,6 +52,20 @@ def read_own_log(
     said += derive_motion(known, motion_log.frame_of(table))
     table.replace_columns({name: known[name] for name in motion_log.REQUIRED_COLUMNS})
     return motion_log.checked_log(table, agree=not said), said
+
+
+def unit_factors(path: str | Path, columns: dict[str, str], units: str | None) -> dict[str, float]:
+    """Factors to this program's units by key, by units in the names of `columns`, or by `units` for angles and rates
+    without one (None: rad). Raises Unreadable if a unit is of another quantity, or `units` contradicts it."""
+    stated = {key: motion_log.named_unit(own) for key, own in columns.items()}
+    turns = {key: bool(stated[key][0]) for key in columns if motion_log.KEY_UNITS[key].startswith("rad")}
+    angle = motion_log.UNITS[units or "rad"][1]
+    for key, (unit, factor, word) in stated.items():
+        if unit and (unit != motion_log.KEY_UNITS[key] or (units and key in turns and factor != angle)):
+            raise UNITS_RULE.broken(path, f"{key} has the column {columns[key]}, which is in {word}")
+        if any(turns.values()) and not turns.get(key, True) and not units:
+            raise UNITS_RULE.broken(path, f"{columns[key]} states no unit, others do: is it in degrees (--units deg)?")
+    return {key: factor if turns.get(key, True) else angle for key, (_, factor, _) in stated.items()}
 
 
 def even_times(table: Table, known: dict[str, np.ndarray]) -> list[str]:
@@ -88,11 +95,11 @@ def derive_motion(known: dict[str, np.ndarray], frame: str) -> list[str]:
     every = float(known[TIME_COLUMN][-1]) / (len(known[TIME_COLUMN]) - 1)
     pose = np.column_stack([known[name] for name in (*names, *ANGLE_COLUMNS)]) * np.tile(signs, 2)
     force, rate = felt_motion(pose, derivative(pose[:, :3], every, 2), derivative(pose[:, 3:], every, 1))
-    if any(name not in known for name in RATE_COLUMNS):
-        known |= dict(zip(RATE_COLUMNS, (rate * signs).T))
+    if any(name not in known for name in motion_log.RATE_COLUMNS):
+        known |= dict(zip(motion_log.RATE_COLUMNS, (rate * signs).T))
         said.append("rates derived from angles")
-    if any(name not in known for name in FORCE_COLUMNS):
-        known |= dict(zip(FORCE_COLUMNS, (force @ motion_log.LOG_FRAMES[frame].T).T))
+    if any(name not in known for name in motion_log.FORCE_COLUMNS):
+        known |= dict(zip(motion_log.FORCE_COLUMNS, (force @ motion_log.LOG_FRAMES[frame].T).T))
         said.append("specific force derived from positions, angles and gravity")
     return said
 

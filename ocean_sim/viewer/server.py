@@ -328,9 +328,7 @@ class Server(AbstractContextManager["Server"]):
             body = await asyncio.shield(self.made[request.path])
         except Exception as error:  # the next request tries again
             self.made.pop(request.path, None)
-            if not isinstance(error, Failed):
-                raise
-            raise web.HTTPNotFound(text=error.sentence) from None
+            raise (web.HTTPNotFound(text=error.sentence) if isinstance(error, Failed) else error) from None
         return web.Response(body=body, headers={"Content-Type": kind})
 
     async def serve_past(self, request: "web.Request") -> Any:

@@ -205,18 +205,15 @@ class Floor(Model):
     def problems(self, row: float) -> Iterator[str]:
         """Yield faults of the bed's roughness; `row`: height [m] of the lowest horizontal row of particles."""
         if self.z0 >= MIN_ROW_SHARE * row:
-            yield (
-                f"the bed's z0 of {self.z0:.3g} m, a thirtieth of its roughness, is not below a quarter of the lowest "
-                f"row of particles, {row:g} m high; take coarser particles or a friction_factor"
-            )
+            begin = f"the bed's z0 of {self.z0:.3g} m, a thirtieth of its roughness, is not below a quarter of the"
+            yield f"{begin} lowest row of particles, {row:g} m high; take coarser particles or a friction_factor"
 
     def warnings(self, row: float) -> Iterator[str]:
         """Warn of a doubtful roughness; `row`: height [m] of the lowest horizontal row of particles."""
         if (self.roughness or 0.0) > 0.5 * row:
-            yield (
-                f"the bed's grains of {self.roughness:g} m reach above the middle of the lowest row of particles, "
-                f"{0.5 * row:g} m, where the logarithmic law takes u; take coarser particles or a friction_factor"
-            )
+            opening = f"the bed's grains of {self.roughness:g} m reach above the middle of the lowest row of particles,"
+            told = f"{0.5 * row:g} m, where the logarithmic law takes u;"
+            yield f"{opening} {told} take coarser particles or a friction_factor"
 
     def statement(self, row: float) -> str:
         """Sentence for the user on the bed's friction; `row`: height [m] of the lowest horizontal row of particles."""
@@ -224,10 +221,9 @@ class Floor(Model):
         factor = f"friction factor of {2.0 * self.drag(height):.4g} (tau = rho f |u| u / 2)"
         if self.roughness is None:
             return f"the bed has a {factor}, u that of the lowest row of particles"
-        return (
-            f"the bed is rough: roughness {self.roughness:g} m, z0 {self.z0:.3g} m; u is that of the lowest row of "
-            f"particles, {height:g} m or {height / self.z0:.3g} z0 above it, where the logarithmic law is a {factor}"
-        )
+        opening = f"the bed is rough: roughness {self.roughness:g} m, z0 {self.z0:.3g} m;"
+        told = f"u is that of the lowest row of particles, {height:g} m or {height / self.z0:.3g} z0 above it,"
+        return f"{opening} {told} where the logarithmic law is a {factor}"
 
     def drag(self, height: float) -> float:
         """Drag coefficient tau / (rho |u| u) of the bed, u being the water's speed at a height [m] above the bed."""

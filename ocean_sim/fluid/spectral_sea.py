@@ -140,10 +140,8 @@ class Config(Seas, waves.GrowingTrain, Steepening, FluidConfig):
                 yield "order 3 changes nothing in calm water: what ships and winds make is linear"
             else:
                 lost = 100.0 * (1.0 - self.energy_share(preflight.tank))
-                yield (
-                    f"order 3: waves shorter than {kept:.3g} m, four cells, or far longer than the tile are left out "
-                    f"of the sea: {lost:.2g} % of its energy"
-                )
+                begin = f"order 3: waves shorter than {kept:.3g} m, four cells,"
+                yield f"{begin} or far longer than the tile are left out of the sea: {lost:.2g} % of its energy"
         for name, ship in preflight.ships.items():
             look = ship.look(preflight)
             if look is not None and look.breadth < MIN_BEAM_CELLS * tile.cell:
@@ -171,10 +169,8 @@ class Config(Seas, waves.GrowingTrain, Steepening, FluidConfig):
         tile = self.tile_of(preflight.tank)
         if self.highest is not None:
             yield from forces_in_waves(preflight, len(self.sea_of(preflight.tank).amplitude) == 1, any(self.current))
-        yield (
-            f"tiles of {tile.side:.4g} m in cells of {tile.cell:.3g} m that step every {self.tile_step(tile):.3g} s; "
-            f"what ships and winds make fades in their outer {100.0 * RIM_SHARE:g} %"
-        )
+        begin = f"tiles of {tile.side:.4g} m in cells of {tile.cell:.3g} m that step every {self.tile_step(tile):.3g}"
+        yield f"{begin} s; what ships and winds make fades in their outer {100.0 * RIM_SHARE:g} %"
 
     def still_limits(self, preflight: SceneFacts) -> Limits:
         return self.interpolation_limits(self.tile_of(preflight.tank))

@@ -140,10 +140,8 @@ class SeakeepingConfig(FloatingConfig):
     def table_differences(self, table: BemTable, tank: Basin, still: Hydrostatics) -> Iterator[str]:
         """Warn where speed, water depth or axis of rotation of the table differ from those of this scene."""
         if self.propeller is not None or any(self.velocity):
-            yield (
-                "the table is of a hull without forward speed; under way it counts at the frequency of "
-                "encounter, with strip theory's terms of speed, which are those of a slender hull without a transom"
-            )
+            opening = "the table is of a hull without forward speed; under way it counts at the frequency of encounter,"
+            yield f"{opening} with strip theory's terms of speed, which are those of a slender hull without a transom"
         if table.depth is not None and table.depth != tank.depth:
             here, there = (
                 waves.wavenumber(float(table.omega[0]), min(depth, DEEP_WATER), -tank.gravity[1])
@@ -151,11 +149,9 @@ class SeakeepingConfig(FloatingConfig):
             )
             if abs(there / here - 1.0) > WAVENUMBER_TOLERANCE:
                 deep = "deep water" if isinf(table.depth) else f"water {table.depth:g} m deep"
-                yield (
-                    f"the table is of {deep}, here it is {tank.depth:g} m: its longest waves, of "
-                    f"{2.0 * pi / table.omega[0]:.3g} s, are {abs(there / here - 1.0):.0%} "
-                    f"{'shorter' if there < here else 'longer'} here; forces are those of the table"
-                )
+                begin = f"the table is of {deep}, here it is {tank.depth:g} m: its longest waves, of"
+                middle = f"{2.0 * pi / table.omega[0]:.3g} s, are {abs(there / here - 1.0):.0%}"
+                yield f"{begin} {middle} {'shorter' if there < here else 'longer'} here; forces are those of the table"
         if table.axis is not None:
             centre = float(still.matter.centre[1]) - still.keel - still.draught
             if abs(table.axis - centre) > AXIS_TOLERANCE * still.draught:

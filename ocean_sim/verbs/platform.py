@@ -268,9 +268,8 @@ def print_report(done: Commands, found: list[Metric], files: list[Path]) -> None
         console.say("  --set 'washout.force_scale=[0.3, 0.3, 0.2]', say, or rotation_scale asks less of the legs")
     if "share_of_possible_all" in value:
         share, error, least = (value[k] for k in ("share_of_possible_all", "sensed_error", "sensed_error_best"))
-        console.say(
-            f"people sense an error of {error:.3g} of what they notice, and of {least:.3g} on the best ride of these "
-            f"legs (best.csv, best.png): the washout reaches {100.0 * share:.3g} % of the possible"
-        )
+        opening = f"people sense an error of {error:.3g} of what they notice,"
+        middle = f"and of {least:.3g} on the best ride of these legs (best.csv, best.png):"
+        console.say(f"{opening} {middle} the washout reaches {100.0 * share:.3g} % of the possible")
     console.say(f"motion sickness dose {sick[0]:.3g} m/s1.5 on the ship, {sick[1]:.3g} on the platform (ISO 2631-1)")
     console.say(f"{files[0].parent}: {', '.join(path.name for path in files)}")

@@ -176,11 +176,9 @@ def confirmed_setting(
 def budget_verdict(found: dict[str, Any] | None, rows: list[dict[str, Any]], judge: str, limit: Budget) -> str:
     """Text on `found`, the best setting within `limit` by error `judge`; if None, on why none of `rows` fits."""
     if found is not None:
-        return (
-            f"most accurate within {limit.name}, by the {scenes.measure_label(judge)}: {found['setting']}\n"
-            f"  run again with another seed: {found['spent']:.3g} of {limit.most:g}, "
-            f"error {found['error']:.3g} (at most {found['bound']:.3g} expected)"
-        )
+        begin = f"most accurate within {limit.name}, by the {scenes.measure_label(judge)}: {found['setting']}\n"
+        middle = f"  run again with another seed: {found['spent']:.3g} of {limit.most:g},"
+        return f"{begin}{middle} error {found['error']:.3g} (at most {found['bound']:.3g} expected)"
     tried = [row["reason"] for row in rows if row["reason"].startswith("run again")]
     spent = [cost for row in rows if row["outcome"] == "done" and (cost := limit.spent(row)) is not None]
     cheapest = f"the cheapest takes {min(spent):.3g} of {limit.most:g}" if spent else "no setting ran to its end"

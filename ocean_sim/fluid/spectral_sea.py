@@ -35,7 +35,7 @@ from ocean_sim.fluid.open_sea.wave_sheet import WORDS_PER_CELL, Sheet
 from ocean_sim.fluid.open_sea.wave_tile import PER_TILE, RIM_SHARE, Layer, OnTile, Tile, TileModes
 from ocean_sim.kernel_library import ti, tm, to_numpy_type
 from ocean_sim.model import Faults, Vector2, quantity
-from ocean_sim.parts import FluidConfig, LedgerRow, SceneFacts, called, forces_in_waves
+from ocean_sim.parts import FluidConfig, LedgerRow, SceneFacts, beyond_drift_tables, called, forces_in_waves
 from ocean_sim.runtime import in_kernels
 from ocean_sim.waves.seas import Seas, Steepening
 from ocean_sim.wind import Wind
@@ -134,6 +134,7 @@ class Config(Seas, waves.GrowingTrain, Steepening, FluidConfig):
         yield from self.like_radians()
         if self.highest is not None:
             yield from waves.cut_short(preflight.duration, self.with_ramp(self.sea_of(preflight.tank)).ramp)
+            yield from beyond_drift_tables(preflight, self.sea_of(preflight.tank))
         if self.order == 3:
             kept = 4.0 * tile.cell
             if self.highest is None:
@@ -145,11 +146,11 @@ class Config(Seas, waves.GrowingTrain, Steepening, FluidConfig):
         for name, ship in preflight.ships.items():
             look = ship.look(preflight)
             if look is not None and look.breadth < MIN_BEAM_CELLS * tile.cell:
-                yield (
-                    f"the breadth of {called(name)}, {look.breadth:.3g} m, is {look.breadth / tile.cell:.2g} cells of "
-                    f"{tile.cell:.3g} m; below {MIN_BEAM_CELLS:g} the waves that she makes are too long and too low: "
-                    "take more fluid.cells or a smaller fluid.tile"
+                beam = (
+                    f"the breadth of {called(name)}, {look.breadth:.3g} m, is {look.breadth / tile.cell:.2g} cells of"
                 )
+                low = f"{tile.cell:.3g} m; below {MIN_BEAM_CELLS:g} the waves that she makes are too long and too low"
+                yield f"{beam} {low}: take more fluid.cells or a smaller fluid.tile"
             if look is None:
                 yield f"a ship of kind {ship.kind} has no hull that could push the water: she makes no waves"
         if not preflight.wind.still:

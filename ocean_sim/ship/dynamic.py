@@ -25,7 +25,7 @@ from ocean_sim.ship.body.floating import FloatingConfig, FloatingShip, Immersion
 from ocean_sim.ship.body.rigid_body import to_world
 from ocean_sim.ship.forces.added_mass import AddedMass, Slamming, water_reaction
 from ocean_sim.ship.forces.damping import Damping, Resistance
-from ocean_sim.ship.forces.radiation import BemTable, Memory, Scattering, checked_table, columns_of
+from ocean_sim.ship.forces.radiation import BemTable, Memory, Scattering, checked_table, columns_of, heading_gap
 from ocean_sim.ship.naval.hydrostatics import Hydrostatics
 
 WAVENUMBER_TOLERANCE = 0.02  # of a wavenumber, by which the water of a table may differ without a word
@@ -130,9 +130,9 @@ class SeakeepingConfig(FloatingConfig):
             if mute:
                 lacks = f"not what they do in {', '.join(mute)}: no wave moves her there"
                 yield f"the table has scattered waves, but {lacks}"
-            if len(headings) == 1:
-                only = f"waves that go to {headings[0]:g} degrees from her heading"
-                yield f"the scattered forces of the table are of {only}, and are taken for those of any waves"
+            if only := heading_gap(headings):
+                nearest = "those nearest are taken for those of any waves"
+                yield f"the scattered forces of the table are of waves that go to {only} from her heading: {nearest}"
 
     def feels_bed(self, depth: float) -> bool:
         return self.table is not None and self.table.depth == depth

@@ -164,9 +164,11 @@ class Floor(Model):
                 reach = f"reaches from {axis} = {nodes[0]:g} to {nodes[-1]:g} m, the basin from {low:g} to {up:g} m"
                 yield (key,), f"the bed {reach}{middle}"
                 return
-        y = self.bed_heights.around(basin.plan_sides).y
-        if missing := int((~np.isfinite(y)).sum()):
-            yield (key,), f"{missing} heights in the basin are missing, or of {HIGHEST_GROUND:g} m and more"
+        x, z, y = self.bed_heights.around(basin.plan_sides)
+        if len(missing := np.argwhere(~np.isfinite(y))):
+            first = f"the first at x = {x[missing[0, 0]]:g}, z = {z[missing[0, 1]]:g} m"
+            told = f"{len(missing)} of {y.size} heights in the basin are missing, or of {HIGHEST_GROUND:g} m and more"
+            yield (key,), f"{told}, {first}"
             return
         if y.min() < (1.0 + LEVEL_ROUNDING) * basin.lower[1]:
             deep = f"reaches down to y = {y.min():g} m, and the basin is {basin.depth:g} m deep"
@@ -379,9 +381,7 @@ class Config(Model):
         if basin.dimension == 2 and self.gravity[2] != 0.0:
             yield ("gravity",), "a slice, in x-y, has no gravity along z; y is up here: gravity: [0, -9.81, 0]"
         meshes = [(k, body) for k, body in enumerate(self.obstacles) if isinstance(body, MeshObstacle)]
-        bad: list[Fault] = [
-            (("obstacles", k, "mesh"), sentence) for k, body in meshes for sentence in body.shape.faults
-        ]
+        bad: list[Fault] = [(("obstacles", k, "mesh"), each) for k, body in meshes for each in body.shape.faults]
         misplaced = bad or list(box_faults("obstacles", self.obstacles, basin, "overlaps an earlier one"))
         yield from misplaced or path_faults(self.obstacles, basin, duration)
         if isinstance(self.floor, Floor) and self.floor.shaped:

@@ -117,10 +117,10 @@ class Table(dict[str, np.ndarray]):
             numbers = filter(None, map(DECIMAL_NUMBER.fullmatch, self.cells(row)))
             found = {number[1]: number[0] for number in numbers} | found
             if len(found) == 2:
-                signs = (
-                    f"{quoted_piece(found[','])} and, up to {row_and_line(self.path, k)}, {quoted_piece(found['.'])}"
+                signs = quoted_piece(found[","]), quoted_piece(found["."])
+                raise DIALECT_RULE.broken(
+                    self.path, f"it has {f' and, up to {row_and_line(self.path, k)}, '.join(signs)}"
                 )
-                raise DIALECT_RULE.broken(self.path, f"it has {signs}")
         return "," in found
 
     def finite(self, *wanted: str, since: int = 0) -> list[np.ndarray]:
@@ -160,7 +160,7 @@ class Table(dict[str, np.ndarray]):
         """Times (n,) [s] and `wanted` columns (n,); raises Unreadable unless finite, times rise and n >= `fewest`."""
         time, *found = self.finite(TIME_COLUMN, *wanted)
         if len(time) < fewest:
-            raise WHOLE_TABLE_RULE.broken(self.path, f"it has {len(time)} rows, and a smooth path needs {fewest}")
+            raise WHOLE_TABLE_RULE.broken(self.path, f"it has {len(time)} of the {fewest} rows of a smooth path")
         back = np.flatnonzero(np.diff(time) <= 0.0)
         if len(back):
             k = int(back[0])

@@ -59,7 +59,7 @@ def number_list(option: str, text: str | None, like: str = "") -> list[float] | 
     except ValueError:
         raise Refused(f"{option} {text}: these are not numbers with ',' between them") from None
     if not all(abs(value) <= MAX_NUMBER for value in found or ()):
-        raise Refused(f"{option} {text}: numbers are finite and at most {MAX_NUMBER:g}")
+        raise Refused(f"{option}: expected finite numbers of at most {MAX_NUMBER:g}, got {text}")
     if found is not None and like and len(found) != len(like.split(",")):
         raise Refused(f"{option}: {text!r} is not like {like}")
     return found

@@ -9,12 +9,12 @@ from __future__ import annotations
 
 import re
 from abc import abstractmethod
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, cached_property
 from importlib import import_module
 from importlib.resources import files
-from math import hypot
+from math import hypot, inf, pi
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Self, cast
 
@@ -350,9 +350,10 @@ class ShipConfig(KindConfig):
         return False
 
     @property
-    def drift_law(self) -> str:
-        """Name, in words, of the closed formula for the mean force of waves on the ship (drift); empty if none."""
-        return ""
+    def drift_law(self) -> tuple[str, float, float]:
+        """Name, in words, of the law for the mean force of waves on the ship (drift), empty if none, and the shortest
+        and longest period [s] of the waves that it knows."""
+        return "", 0.0, inf
 
     def solid(self, preflight: SceneFacts) -> Solid | None:
         """Solid body of the ship, around which the particles start; None if water passes through her."""
@@ -571,12 +572,23 @@ def forces_in_waves(preflight: SceneFacts, regular: bool, current: bool) -> list
     True for waves of one frequency; `current`: True if there is a current."""
     found, blows = list[str](), not preflight.wind.still and "ship" in preflight.wind.acts_on
     for name, ship in preflight.ships.items():
-        law = "particles" if preflight.fluid.made_of_particles else ship.drift_law
+        law = "particles" if preflight.fluid.made_of_particles else ship.drift_law[0]
         acting = {"mean": law, "slow": law and not regular}, {"wind": blows and ship.feels_wind, "current": current}
         drift, others = (", ".join(word if acts else f"no {word}" for word, acts in each.items()) for each in acting)
         why = f"by {law}" if law else "first-order waves, drag and her motion alone move her on"
         found.append(f"on {called(name)} act in these waves: {drift} drift ({why}), {others}")
     return found
+
+
+def beyond_drift_tables(preflight: SceneFacts, sea: waves.Components) -> Iterator[str]:
+    """Yield a warning for each ship if much of the energy of the `sea` is in waves that her table of drift lacks."""
+    energy, period = sea.amplitude**2, 2.0 * pi / sea.omega
+    for name, ship in preflight.ships.items():
+        _, least, most = ship.drift_law
+        beyond = float(energy @ ((period < 0.99 * least) | (period > 1.01 * most)) / energy.sum())
+        if beyond > 0.05:
+            table = f"the table of drift of {called(name)}, of {least:.3g} to {most:.3g} s"
+            yield f"{100.0 * beyond:.0f} % of the waves' energy lies beyond {table}: there its nearest row counts"
 
 
 def config_of(slot: str, kind: str) -> type[KindConfig]:

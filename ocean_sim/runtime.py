@@ -399,10 +399,8 @@ def _start(config: RuntimeConfig) -> Backend:
     arch = obtained if obtained in GRAPHICS_BACKENDS else "cpu"
     if config.arch not in (arch, "auto") and not (config.arch == "gpu" and arch != "cpu"):
         ti.reset()
-        raise BackendMissing(
-            f"runtime.arch: {config.arch} was asked for, but this machine gave {arch}; "
-            "set runtime.arch=cpu, or auto to take what there is (`ocean-sim doctor` lists it)"
-        )
+        begin = f"runtime.arch: {config.arch} was asked for, but this machine gave {arch}; set runtime.arch=cpu,"
+        raise BackendMissing(f"{begin} or auto to take what there is (`ocean-sim doctor` lists it)")
     if config.pin is not False and arch == "cpu":
         _pin_threads(before, threads, one=bool(config.pin))
     _started = (config, Backend(arch, threads if arch == "cpu" else 0, config.precision, _has_doubles(arch)))

@@ -164,9 +164,11 @@ class Floor(Model):
                 reach = f"reaches from {axis} = {nodes[0]:g} to {nodes[-1]:g} m, the basin from {low:g} to {up:g} m"
                 yield (key,), f"the bed {reach}{middle}"
                 return
-        y = self.bed_heights.around(basin.plan_sides).y
-        if missing := int((~np.isfinite(y)).sum()):
-            yield (key,), f"{missing} heights in the basin are missing, or of {HIGHEST_GROUND:g} m and more"
+        x, z, y = self.bed_heights.around(basin.plan_sides)
+        if len(missing := np.argwhere(~np.isfinite(y))):
+            first = f"the first at x = {x[missing[0, 0]]:g}, z = {z[missing[0, 1]]:g} m"
+            told = f"{len(missing)} of {y.size} heights in the basin are missing, or of {HIGHEST_GROUND:g} m and more"
+            yield (key,), f"{told}, {first}"
             return
         if y.min() < (1.0 + LEVEL_ROUNDING) * basin.lower[1]:
             deep = f"reaches down to y = {y.min():g} m, and the basin is {basin.depth:g} m deep"
@@ -205,18 +207,15 @@ class Floor(Model):
     def problems(self, row: float) -> Iterator[str]:
         """Yield faults of the bed's roughness; `row`: height [m] of the lowest horizontal row of particles."""
         if self.z0 >= MIN_ROW_SHARE * row:
-            yield (
-                f"the bed's z0 of {self.z0:.3g} m, a thirtieth of its roughness, is not below a quarter of the lowest "
-                f"row of particles, {row:g} m high; take coarser particles or a friction_factor"
-            )
+            begin = f"the bed's z0 of {self.z0:.3g} m, a thirtieth of its roughness, is not below a quarter of the"
+            yield f"{begin} lowest row of particles, {row:g} m high; take coarser particles or a friction_factor"
 
     def warnings(self, row: float) -> Iterator[str]:
         """Warn of a doubtful roughness; `row`: height [m] of the lowest horizontal row of particles."""
         if (self.roughness or 0.0) > 0.5 * row:
-            yield (
-                f"the bed's grains of {self.roughness:g} m reach above the middle of the lowest row of particles, "
-                f"{0.5 * row:g} m, where the logarithmic law takes u; take coarser particles or a friction_factor"
-            )
+            opening = f"the bed's grains of {self.roughness:g} m reach above the middle of the lowest row of particles,"
+            told = f"{0.5 * row:g} m, where the logarithmic law takes u;"
+            yield f"{opening} {told} take coarser particles or a friction_factor"
 
     def statement(self, row: float) -> str:
         """Sentence for the user on the bed's friction; `row`: height [m] of the lowest horizontal row of particles."""
@@ -224,10 +223,9 @@ class Floor(Model):
         factor = f"friction factor of {2.0 * self.drag(height):.4g} (tau = rho f |u| u / 2)"
         if self.roughness is None:
             return f"the bed has a {factor}, u that of the lowest row of particles"
-        return (
-            f"the bed is rough: roughness {self.roughness:g} m, z0 {self.z0:.3g} m; u is that of the lowest row of "
-            f"particles, {height:g} m or {height / self.z0:.3g} z0 above it, where the logarithmic law is a {factor}"
-        )
+        opening = f"the bed is rough: roughness {self.roughness:g} m, z0 {self.z0:.3g} m;"
+        told = f"u is that of the lowest row of particles, {height:g} m or {height / self.z0:.3g} z0 above it,"
+        return f"{opening} {told} where the logarithmic law is a {factor}"
 
     def drag(self, height: float) -> float:
         """Drag coefficient tau / (rho |u| u) of the bed, u being the water's speed at a height [m] above the bed."""
@@ -383,9 +381,7 @@ class Config(Model):
         if basin.dimension == 2 and self.gravity[2] != 0.0:
             yield ("gravity",), "a slice, in x-y, has no gravity along z; y is up here: gravity: [0, -9.81, 0]"
         meshes = [(k, body) for k, body in enumerate(self.obstacles) if isinstance(body, MeshObstacle)]
-        bad: list[Fault] = [
-            (("obstacles", k, "mesh"), sentence) for k, body in meshes for sentence in body.shape.faults
-        ]
+        bad: list[Fault] = [(("obstacles", k, "mesh"), each) for k, body in meshes for each in body.shape.faults]
         misplaced = bad or list(box_faults("obstacles", self.obstacles, basin, "overlaps an earlier one"))
         yield from misplaced or path_faults(self.obstacles, basin, duration)
         if isinstance(self.floor, Floor) and self.floor.shaped:

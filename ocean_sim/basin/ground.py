@@ -209,10 +209,8 @@ class Ground:
         volume, dry = float((depth * areas)[wet].sum()), 1.0 - float(areas[wet].sum() / areas.sum())
         shallow = depth[wet].min() / spacing
         shore = f"; {dry:.0%} of its plan is dry" if dry > 0.0 else ""
-        return (
-            f"the bed has a shape: {volume:.4g} {unit} of still water over it, {shallow:.2g} to "
-            f"{depth.max() / spacing:.3g} spacings deep{shore}"
-        )
+        begin = f"the bed has a shape: {volume:.4g} {unit} of still water over it, {shallow:.2g} to"
+        return f"{begin} {depth.max() / spacing:.3g} spacings deep{shore}"
 
     def warnings(self, spacing: float, waves: bool) -> Iterator[str]:
         """Warn of a bed that is mostly dry, and of water too shallow for `waves` at this particle `spacing` [m]."""
@@ -222,10 +220,8 @@ class Ground:
         if (depth <= 0.0).mean() > DRY_WARNED:
             yield "most of the bed is dry; heights count upwards from still water: are these depths, downwards?"
         if waves and len(shallow):
-            yield (
-                f"between x = {shallow.min():.3g} and {shallow.max():.3g} m the water over the bed is less than "
-                f"{WAVE_ROWS:g} spacings deep in places: waves are coarse there; take a smaller spacing"
-            )
+            begin = f"between x = {shallow.min():.3g} and {shallow.max():.3g} m the water over the bed is less than"
+            yield f"{begin} {WAVE_ROWS:g} spacings deep in places: waves are coarse there; take a smaller spacing"
 
     def displaced(self, positions: np.ndarray, boxes: Boxes, lattice: Lattice) -> np.ndarray:
         """(n,) True for particles that the bed displaces, of those at `positions` (n, 3) [m], which fill `boxes`."""

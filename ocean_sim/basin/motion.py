@@ -237,10 +237,8 @@ class Recorded(Tank):
         for time, end, apart in ((times[0], "begin", "before"), (times[-1], "end", "after")):
             speed = law(float(time))[1]
             if 0.0 < time < duration and abs(speed) > JOLT_SHARE * fastest:
-                yield (
-                    f"the tank's recorded motion {end}s at {time:.4g} s with {speed:.3g} {unit}, and the tank stands "
-                    f"still {apart} it: water does not feel that jolt; let the rows {end} at rest"
-                )
+                opening = f"the tank's recorded motion {end}s at {time:.4g} s with {speed:.3g} {unit}, and the tank"
+                yield f"{opening} stands still {apart} it: water does not feel that jolt; let the rows {end} at rest"
 
     def build(self) -> "TankMotion":
         """Motion of the tank as recorded in the file; raises Unreadable."""

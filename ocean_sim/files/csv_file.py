@@ -158,7 +158,7 @@ class Table(dict[str, np.ndarray]):
         """Times (n,) [s] and `wanted` columns (n,); raises Unreadable unless finite, times rise and n >= `fewest`."""
         time, *found = self.finite(TIME_COLUMN, *wanted)
         if len(time) < fewest:
-            raise WHOLE_TABLE_RULE.broken(self.path, f"it has {len(time)} rows, and a smooth path needs {fewest}")
+            raise WHOLE_TABLE_RULE.broken(self.path, f"it has {len(time)} of at least {fewest} rows")
         back = np.flatnonzero(np.diff(time) <= 0.0)
         if len(back):
             k, cells = int(back[0]), self.column(TIME_COLUMN)

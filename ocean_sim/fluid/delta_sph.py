@@ -120,10 +120,8 @@ class Config(SphConfig):
         yield from super().warnings(preflight)
         ratio = self.ratio(preflight.tank)
         if ratio < MIN_STEADY_SUPPORT and not self.is_enclosed(preflight.tank):
-            yield (
-                f"at a support of {ratio:g} spacings still water of delta_sph stirs and sinks: ten rows lost 28 % of "
-                "their depth in 3 s at 1.2 spacings, 10 % at 1.5 and 2 % at 2; take 4, its default"
-            )
+            begin = f"at a support of {ratio:g} spacings still water of delta_sph stirs and sinks: ten rows lost 28 %"
+            yield f"{begin} of their depth in 3 s at 1.2 spacings, 10 % at 1.5 and 2 % at 2; take 4, its default"
 
     def ledger(self, preflight: SceneFacts) -> Iterator[LedgerRow]:
         """Rows of the memory ledger for the fields of this scheme."""

@@ -112,10 +112,9 @@ class Config(SphConfig):
         yield from super().warnings(preflight)
         basin, ratio = preflight.tank, self.ratio(preflight.tank)
         if ratio < MIN_STEADY_SUPPORT[basin.dimension - 2] and not self.is_enclosed(basin):
-            yield (
-                f"at a support of {ratio:g} spacings still water of dfsph stirs, and below 2.5 it sinks and may burst: "
-                "ten rows of it lost 16 % of their depth in 2 s at 1.2 spacings, 2 % at 2; take 4, its default"
-            )
+            opening = f"at a support of {ratio:g} spacings still water of dfsph stirs,"
+            middle = "and below 2.5 it sinks and may burst: ten rows of it lost 16 % of their depth"
+            yield f"{opening} {middle} in 2 s at 1.2 spacings, 2 % at 2; take 4, its default"
 
     def statements(self, preflight: SceneFacts) -> Iterator[str]:
         yield from super().statements(preflight)

@@ -13,7 +13,7 @@ from ocean_sim.fluid import Limits
 from ocean_sim.fluid.open_sea.open_water import POINTS_PER_WAVE, SMOOTH_STEP_PERIODS, OpenWater, status_of
 from ocean_sim.fluid.open_sea.plane_waves import PlaneWaves, Window
 from ocean_sim.model import Fault, Faults, quantity
-from ocean_sim.parts import FluidConfig, LedgerRow, SceneFacts, forces_in_waves
+from ocean_sim.parts import FluidConfig, LedgerRow, SceneFacts, beyond_drift_tables, forces_in_waves
 from ocean_sim.runtime import in_kernels
 from ocean_sim.wind import Wind
 
@@ -47,6 +47,7 @@ class Config(waves.GrowingTrain, FluidConfig):
     def warnings(self, preflight: SceneFacts) -> Iterator[str]:
         if self.scale[0] > 0.0:
             yield from waves.cut_short(preflight.duration, self.with_ramp(self.sea(preflight.tank)).ramp)
+            yield from beyond_drift_tables(preflight, self.sea(preflight.tank))
         if not preflight.wind.still:
             yield "closed-form waves do not feel the wind; it reaches only the ship"
 

@@ -35,7 +35,7 @@ from ocean_sim.fluid.open_sea.wave_sheet import WORDS_PER_CELL, Sheet
 from ocean_sim.fluid.open_sea.wave_tile import PER_TILE, RIM_SHARE, Layer, OnTile, Tile, TileModes
 from ocean_sim.kernel_library import ti, tm, to_numpy_type
 from ocean_sim.model import Faults, Vector2, quantity
-from ocean_sim.parts import FluidConfig, LedgerRow, SceneFacts, called, forces_in_waves
+from ocean_sim.parts import FluidConfig, LedgerRow, SceneFacts, beyond_drift_tables, called, forces_in_waves
 from ocean_sim.runtime import in_kernels
 from ocean_sim.waves.seas import Seas, Steepening
 from ocean_sim.wind import Wind
@@ -134,24 +134,23 @@ class Config(Seas, waves.GrowingTrain, Steepening, FluidConfig):
         yield from self.like_radians()
         if self.highest is not None:
             yield from waves.cut_short(preflight.duration, self.with_ramp(self.sea_of(preflight.tank)).ramp)
+            yield from beyond_drift_tables(preflight, self.sea_of(preflight.tank))
         if self.order == 3:
             kept = 4.0 * tile.cell
             if self.highest is None:
                 yield "order 3 changes nothing in calm water: what ships and winds make is linear"
             else:
                 lost = 100.0 * (1.0 - self.energy_share(preflight.tank))
-                yield (
-                    f"order 3: waves shorter than {kept:.3g} m, four cells, or far longer than the tile are left out "
-                    f"of the sea: {lost:.2g} % of its energy"
-                )
+                begin = f"order 3: waves shorter than {kept:.3g} m, four cells,"
+                yield f"{begin} or far longer than the tile are left out of the sea: {lost:.2g} % of its energy"
         for name, ship in preflight.ships.items():
             look = ship.look(preflight)
             if look is not None and look.breadth < MIN_BEAM_CELLS * tile.cell:
-                yield (
-                    f"the breadth of {called(name)}, {look.breadth:.3g} m, is {look.breadth / tile.cell:.2g} cells of "
-                    f"{tile.cell:.3g} m; below {MIN_BEAM_CELLS:g} the waves that she makes are too long and too low: "
-                    "take more fluid.cells or a smaller fluid.tile"
+                beam = (
+                    f"the breadth of {called(name)}, {look.breadth:.3g} m, is {look.breadth / tile.cell:.2g} cells of"
                 )
+                low = f"{tile.cell:.3g} m; below {MIN_BEAM_CELLS:g} the waves that she makes are too long and too low"
+                yield f"{beam} {low}: take more fluid.cells or a smaller fluid.tile"
             if look is None:
                 yield f"a ship of kind {ship.kind} has no hull that could push the water: she makes no waves"
         if not preflight.wind.still:
@@ -171,10 +170,8 @@ class Config(Seas, waves.GrowingTrain, Steepening, FluidConfig):
         tile = self.tile_of(preflight.tank)
         if self.highest is not None:
             yield from forces_in_waves(preflight, len(self.sea_of(preflight.tank).amplitude) == 1, any(self.current))
-        yield (
-            f"tiles of {tile.side:.4g} m in cells of {tile.cell:.3g} m that step every {self.tile_step(tile):.3g} s; "
-            f"what ships and winds make fades in their outer {100.0 * RIM_SHARE:g} %"
-        )
+        begin = f"tiles of {tile.side:.4g} m in cells of {tile.cell:.3g} m that step every {self.tile_step(tile):.3g}"
+        yield f"{begin} s; what ships and winds make fades in their outer {100.0 * RIM_SHARE:g} %"
 
     def still_limits(self, preflight: SceneFacts) -> Limits:
         return self.interpolation_limits(self.tile_of(preflight.tank))

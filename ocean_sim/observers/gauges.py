@@ -13,7 +13,7 @@ from typing import Annotated, ClassVar, Literal
 import numpy as np
 from pydantic import Field
 
-from ocean_sim.basin import BOX_ROUNDING, Basin, Corners
+from ocean_sim.basin import BOX_ROUNDING, Basin, Corners, Floor
 from ocean_sim.basin.points import in_space
 from ocean_sim.fluid import with_particles
 from ocean_sim.model import Fault, Faults, Key, Model, Name, Point, quantity
@@ -51,7 +51,7 @@ class Runup(Model):
 
     def problem(self, basin: Basin) -> str | None:
         """Reason why no run-up can be measured along this line in a basin; None if it can."""
-        if basin.ground is None:
+        if not (isinstance(basin.config.floor, Floor) and basin.config.floor.shaped):
             return "this bed is flat: water runs up one with basin.floor.profile"
         if basin.dimension == 2 and (self.along == "z" or self.at is not None):
             return "in a slice, in x-y, water runs up along x, and there is no coordinate across: {along: x}"

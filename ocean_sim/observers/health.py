@@ -318,10 +318,8 @@ class Health(OutcomeObserver, of=Config):
         held = 0.01 * fluid.sound_speed**2 / pull if pull > 0.0 else float("inf")  # depth at 1 % compression [m]
         if held < 0.1 * basin.depth:
             stiffness, wanted = fluid.sound_speed**2, FIRM_STIFFNESS_RATIO * pull * basin.depth  # [m^2/s^2]
-            return (
-                f"stiffness {stiffness:.4g} m^2/s^2 holds only {held:.2g} m of water within 1 % and the basin is"
-                f" {basin.depth:g} m deep: try fluid.compression: 0.01, or a stiffness of {wanted:.4g}"
-            )
+            begin = f"stiffness {stiffness:.4g} m^2/s^2 holds only {held:.2g} m of water within 1 % and the basin is"
+            return f"{begin} {basin.depth:g} m deep: try fluid.compression: 0.01, or a stiffness of {wanted:.4g}"
         needed = FIRM_STIFFNESS_RATIO * fluid.reference_speed**2  # [m2/s2] for 1 %
         if fluid.sound_speed**2 >= EXCESS_STIFFNESS_RATIO * needed:
             times = f"{fluid.sound_speed**2 / needed:.3g} times that of 1 % compression"

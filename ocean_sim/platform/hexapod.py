@@ -80,10 +80,9 @@ class Config(PlatformConfig):
         """Warn if a run of this duration [s] ends before the platform's initial ramp, which no plan has, does."""
         if self.look_ahead is None and duration < self.ramp:
             share = 100.0 * float(smooth_step(np.array(duration / self.ramp)))
-            yield (
-                f"platform: it goes from neutral into the motion over {self.ramp:.4g} s, and the ride ends after "
-                f"{duration:.4g} s, when it does {round(share, 1):g} % of it; take a longer ride or a shorter ramp"
-            )
+            opening = f"platform: it goes from neutral into the motion over {self.ramp:.4g} s,"
+            middle = f"and the ride ends after {duration:.4g} s, when it does {round(share, 1):g} % of it;"
+            yield f"{opening} {middle} take a longer ride or a shorter ramp"
 
     def ledger(self, preflight: SceneFacts) -> list[LedgerRow]:
         """One row of the memory ledger with no bytes of its own: the row of `platform_log` counts them."""

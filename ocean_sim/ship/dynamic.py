@@ -25,7 +25,7 @@ from ocean_sim.ship.body.floating import FloatingConfig, FloatingShip, Immersion
 from ocean_sim.ship.body.rigid_body import to_world
 from ocean_sim.ship.forces.added_mass import AddedMass, Slamming, water_reaction
 from ocean_sim.ship.forces.damping import Damping, Resistance
-from ocean_sim.ship.forces.radiation import BemTable, Memory, Scattering, checked_table, columns_of
+from ocean_sim.ship.forces.radiation import BemTable, Memory, Scattering, checked_table, columns_of, heading_gap
 from ocean_sim.ship.naval.hydrostatics import Hydrostatics
 
 WAVENUMBER_TOLERANCE = 0.02  # of a wavenumber, by which the water of a table may differ without a word
@@ -130,9 +130,9 @@ class SeakeepingConfig(FloatingConfig):
             if mute:
                 lacks = f"not what they do in {', '.join(mute)}: no wave moves her there"
                 yield f"the table has scattered waves, but {lacks}"
-            if len(headings) == 1:
-                only = f"waves that go to {headings[0]:g} degrees from her heading"
-                yield f"the scattered forces of the table are of {only}, and are taken for those of any waves"
+            if only := heading_gap(headings):
+                nearest = "those nearest are taken for those of any waves"
+                yield f"the scattered forces of the table are of waves that go to {only} from her heading: {nearest}"
 
     def feels_bed(self, depth: float) -> bool:
         return self.table is not None and self.table.depth == depth
@@ -140,10 +140,8 @@ class SeakeepingConfig(FloatingConfig):
     def table_differences(self, table: BemTable, tank: Basin, still: Hydrostatics) -> Iterator[str]:
         """Warn where speed, water depth or axis of rotation of the table differ from those of this scene."""
         if self.propeller is not None or any(self.velocity):
-            yield (
-                "the table is of a hull without forward speed; under way it counts at the frequency of "
-                "encounter, with strip theory's terms of speed, which are those of a slender hull without a transom"
-            )
+            opening = "the table is of a hull without forward speed; under way it counts at the frequency of encounter,"
+            yield f"{opening} with strip theory's terms of speed, which are those of a slender hull without a transom"
         if table.depth is not None and table.depth != tank.depth:
             here, there = (
                 waves.wavenumber(float(table.omega[0]), min(depth, DEEP_WATER), -tank.gravity[1])
@@ -151,11 +149,9 @@ class SeakeepingConfig(FloatingConfig):
             )
             if abs(there / here - 1.0) > WAVENUMBER_TOLERANCE:
                 deep = "deep water" if isinf(table.depth) else f"water {table.depth:g} m deep"
-                yield (
-                    f"the table is of {deep}, here it is {tank.depth:g} m: its longest waves, of "
-                    f"{2.0 * pi / table.omega[0]:.3g} s, are {abs(there / here - 1.0):.0%} "
-                    f"{'shorter' if there < here else 'longer'} here; forces are those of the table"
-                )
+                begin = f"the table is of {deep}, here it is {tank.depth:g} m: its longest waves, of"
+                middle = f"{2.0 * pi / table.omega[0]:.3g} s, are {abs(there / here - 1.0):.0%}"
+                yield f"{begin} {middle} {'shorter' if there < here else 'longer'} here; forces are those of the table"
         if table.axis is not None:
             centre = float(still.matter.centre[1]) - still.keel - still.draught
             if abs(table.axis - centre) > AXIS_TOLERANCE * still.draught:

@@ -18,7 +18,7 @@ import numpy as np
 
 from ocean_sim.conventions import Motions, Unsuited
 from ocean_sim.files.yaml_file import Location, Node, Problem, SceneError, node_of, parse_yaml, problem_at
-from ocean_sim.parts import SLOTS, from_coarse, slot_of
+from ocean_sim.parts import ALONE, SLOTS, from_coarse, slot_of
 from ocean_sim.reading.scene import SceneConfig, load
 from ocean_sim.result import Result
 from ocean_sim.studies.shared import scene_run
@@ -40,6 +40,7 @@ ERROR_WORDS = {  # by the end of a name
     "hm0": "error of 4 sqrt m0",
     "tz": "error of the mean period",
 }
+WAVE_MEASURES = ("rms_m", "hs_m", "hm0_m", "tz_s")  # at a gauge
 Varied = dict[str, list[Node]]
 
 
@@ -174,6 +175,16 @@ def errors_against(result: Result, reference: Result) -> dict[str, float | None]
             if table == "gauges":
                 found |= _wave_errors(name.removesuffix("_m"), own, other)
     return found | ({"legs_rms_m": float(np.sqrt(np.mean(np.square(legs))))} if legs else {})
+
+
+def possible_measures(scene: SceneConfig) -> list[str]:
+    """Names of the errors that runs of a scene can have, as `errors_against` gives them."""
+    gauges = scene.observers["gauges"].model_dump() if "gauges" in scene.observers else {}
+    names = [name for key in ("elevation", "runup") for name in gauges.get(key, ())]
+    found = [f"{name}_{kind}" for name in names for kind in WAVE_MEASURES]
+    motions = [f"{name}_rms_{unit}" for name, unit in zip(Motions._fields, scene_run.MOTION_UNITS)]
+    found += [motion if ship == ALONE else f"{ship}_{motion}" for ship in scene.ships for motion in motions]
+    return found + ["legs_rms_m"] * (scene.platform is not None)
 
 
 def _wave_errors(gauge: str, own: dict[str, np.ndarray], other: dict[str, np.ndarray]) -> dict[str, float | None]:

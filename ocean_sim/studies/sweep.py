@@ -37,7 +37,7 @@ class PlanConfig(Model):
     """Keys of the plan file of a sweep."""
 
     scene: str
-    """A scene file, or the name of a packaged scene."""
+    """A scene file, next to the plan or in the working folder, or the name of a packaged scene."""
     profile: str | None = None
     """A profile, which says what the machine can afford: a name in configs/run/."""
     set: dict[str, Any] = {}
@@ -72,13 +72,13 @@ def read_plan(path: Path, threads: int | None = None) -> list[Planned]:
     if count > MOST_RUNS:
         raise SceneError([problem_at(node.location, "", f"this plan has {count} runs; {MOST_RUNS} are the most")])
     shared = node.data["set"].data if "set" in node.data else {}
-    runs = []
+    runs, beside = [], path.parent / plan.scene
     for settings in _grid_settings(node):
         try:
             laid = shared | settings
             named = {key.split(".")[0] for key in laid}  # pictures are made only where the plan asks for them
             quiet = {name: node_of(None, Location("sweep")) for name in PICTURE_OBSERVERS if name not in named}
-            scene = load(plan.scene, quiet | laid, plan.profile)
+            scene = load(beside if beside.is_file() else plan.scene, quiet | laid, plan.profile)
             plain = {key: value.plain() for key, value in settings.items()}
             runs.append(Planned(run_order(scene, threads), plain, scene))
         except SceneError as error:
@@ -110,4 +110,6 @@ def _locate_problem(plan: Node, settings: Settings, found: Problem) -> Problem:
         return found
     key = "profile" if found.file.startswith("--profile") else "scene"
     message = f"{found.file}: {found.message}" if key == "scene" else found.message
+    if key == "scene" and not Path(found.file).exists():
+        message += f" (looked for next to the plan and in {Path.cwd()})"
     return problem_at(plan.data[key].location, found.key or key, message, found.suggestion)

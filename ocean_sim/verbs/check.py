@@ -197,11 +197,9 @@ def ship_lines(found: dict[str, Any]) -> list[str]:
         faces = "" if own is None else f" ({own:.3g} m by the faces of her hull)"
         does = "resolves" if (across or 0.0) >= RESOLVED_SPACINGS else "does not resolve"
         resolved = "" if across is None else f" ({across:.3g} spacings: the water {does} her)"
-        lines.append(
-            f"{called(name)}: {figures(ship['displacement_kg'])} kg, draught {ship['draught_m']:.3g} m{resolved}, "
-            f"GM by her cubes {ship['gm_m']:.3g} m in roll{faces}, {ship['gm_longitudinal_m']:.3g} m in pitch; "
-            f"natural periods: {periods}"
-        )
+        begin = f"{called(name)}: {figures(ship['displacement_kg'])} kg,"
+        opening = f"draught {ship['draught_m']:.3g} m{resolved}, GM by her cubes {ship['gm_m']:.3g} m in roll{faces},"
+        lines.append(f"{begin} {opening} {ship['gm_longitudinal_m']:.3g} m in pitch; natural periods: {periods}")
     return lines
 
 

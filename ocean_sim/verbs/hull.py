@@ -148,10 +148,8 @@ def find_hull(name: str, ship: str | None, asked: HullOptions) -> tuple[Hull, fl
         hulls, ships = ", ".join(named("hull")), ", ".join(named("ship"))
         meant = likeliest(name, dict.fromkeys([*named("hull"), *named("ship"), *packaged_scenes()]))
         there = f"; there are the hulls {hulls}, and those of the ships {ships}"
-        raise console.Refused(
-            f"there is no hull {name!r}, and it is neither a scene nor a {', '.join(MESH_ENDINGS)} file"
-            f"{there if meant is None else f'; did you mean {meant!r}?'}"
-        )
+        begin = f"there is no hull {name!r}, and it is neither a scene nor a {', '.join(MESH_ENDINGS)} file"
+        raise console.Refused(f"{begin}{there if meant is None else f'; did you mean {meant!r}?'}")
     if scene:
         config = load(name)
     else:

@@ -90,10 +90,8 @@ def refuse_short(sea: Components, duration: float, begin: float, period: float |
     met, settled = period or sea.period, max(begin, sea.ramp)
     if sea.random and duration < (least := settled + response.least_record(met)):
         longer = 50.0 * np.ceil(0.02 * max(least, settled + 4.0 * response.least_record(met)))
-        raise console.Refused(
-            f"cross spectra of waves met every {met:.3g} s need {least:.0f} s or more, after {settled:.3g} s in which "
-            f"they grow; four times that is better: --set duration={longer:g}"
-        )
+        opening = f"cross spectra of waves met every {met:.3g} s need {least:.0f} s or more, after {settled:.3g} s in"
+        raise console.Refused(f"{opening} which they grow; four times that is better: --set duration={longer:g}")
 
 
 def measured_response(

@@ -12,10 +12,10 @@ from ocean_sim.conventions import Refused
 from ocean_sim.files.atomic_file import new_figure, save_figure, write_file
 from ocean_sim.reading.scene import load
 from ocean_sim.verbs.shared import console
-from ocean_sim.verbs.shared.options import Sets, complete_scene, number_list
+from ocean_sim.verbs.shared.options import MAX_NUMBER, Sets, complete_scene, number_list
 from ocean_sim.waves import exchange
 from ocean_sim.waves.directional import DirectionalSpectrum, Spreading
-from ocean_sim.waves.spectrum_files import TIME_FORM, read_spectra, read_spectrum
+from ocean_sim.waves.spectrum_files import MAX_STEEPNESS, STEEP_RULE, TIME_FORM, read_spectra, read_spectrum
 
 DRAWN_VARIANCE = 0.98  # share of the variance below the highest frequency of a picture
 
@@ -60,6 +60,8 @@ def sea(
         write_file(swd, exchange.to_swd(waves, title))
         files.append(swd)
     if openfast is not None:
+        if not (until or config.duration) <= MAX_NUMBER * every:
+            raise Refused(f"--until {until}: of --every {every:g} s at most {MAX_NUMBER:g} rows are written")
         times = np.arange(0.0, (until or config.duration) + 0.5 * every, every)
         heights = np.concatenate([field.elevation(np.array([place]), t) for t in times.tolist()])
         what = f"{title}, x = {place[0]:g} m, z = {place[1]:g} m"
@@ -77,23 +79,27 @@ def describe_file(path: Path, time: str | None, point: int, spreading: Spreading
     records, rows, files = read_spectra(path) if time is None else [], list[dict[str, Any]](), list[Path]()
     if len(records) > 1:
         title = f"{path}: take one of these as --time"
+        steep = sum(each.steepness > MAX_STEEPNESS for _, points in records for each in filter(None, points))
+        remarks = [f"{steep} of these cannot be: {STEEP_RULE}"] * bool(steep)
         for when, points in records:
-            first = next(filter(None, points))
-            state = {"hm0_m": first.significant_height, "tp_s": first.peak_period}
-            rows.append({"time": f"{when:{TIME_FORM}}", "points": len(points)} | state)
+            first = next(filter(None, points), None)
+            state = {"hm0_m": first and first.significant_height, "tp_s": first and first.peak_period}
+            rows.append({"time": f"{when:{TIME_FORM}}", "points": len(points) - points.count(None)} | state)
     else:
         when, spectrum = read_spectrum(path, time, point)
         table = spectrum.spread(spreading)
-        parts = table.partitions()
+        parts, remarks = table.partitions(), [table.remark] * bool(table.remark)
         title = f"{path.name}{f' at {when:{TIME_FORM}}' if when else ''}, point {point}"
         rows = [{"part": "whole"} | table.state()._asdict()]
         rows += [{"part": f"partition {k}"} | part.state()._asdict() for k, part in enumerate(parts, 1)]
         picture = (path.parent if out is None else out) / f"{path.stem}_spectrum.png"
         files += [picture] if console.draw_if_able(draw_spectrum, picture, title, table, parts) else []
-    console.answer({"rows": rows, "files": files})
-    cells = [[f"{cell:.3g}" if isinstance(cell, float) else f"{cell}" for cell in row.values()] for row in rows]
+    console.answer({"rows": rows, "files": files, "remarks": remarks})
+    cells = [
+        [f"{cell:.3g}" if isinstance(cell, float) else console.cell(cell, "-") for cell in row.values()] for row in rows
+    ]
     console.table(title, [*rows[0]], cells)
-    console.say("\n".join(map(str, files)))
+    console.say("\n".join(map(str, [*remarks, *files])))
 
 
 def draw_spectrum(path: Path, title: str, table: DirectionalSpectrum, parts: Sequence[DirectionalSpectrum]) -> None:

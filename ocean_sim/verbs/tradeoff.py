@@ -61,10 +61,8 @@ def study_cases(quick: bool, workers: int | None, out: Path) -> None:
     plan = study_points(quick)
     console.say(f"{len(plan)} runs of {len({point.trial.case for point in plan})} cases, each on one thread")
     table = rows_of(Study(plan, out / "runs", workers or available_cores(), out / "tradeoff.csv"))
-    drawn = {
-        trial.case: [row for row in table if (row["case"], row["quantity"]) == (trial.case, trial.quantity)]
-        for trial in TRIAL_CASES
-    }
+    shown = {trial.case: (trial.case, trial.quantity) for trial in TRIAL_CASES}
+    drawn = {name: [row for row in table if (row["case"], row["quantity"]) == both] for name, both in shown.items()}
     speed = clock_column(table)
     fair = equal_cost_rows([row for here in drawn.values() for row in here], speed)
     write_table(out / "equal.csv", fair)
@@ -97,6 +95,7 @@ def print_settings(title: str, rows: list[dict[str, Any]], speed: str) -> None:
 def study_scene(plan: list[Setting], limit: Budget | None, by: str | None, quick: bool, out: Path) -> None:
     """Run a scene with every setting of `plan` and every seed (`quick`: fewer), one at a time; write tradeoff.csv,
     seeds.csv and a picture into `out`. `by`: the error that decides (None: the first); `limit`: of time."""
+    check_judge(by, scenes.possible_measures(plan[0].scenes[0]))
     seeds = scenes.SEED_COUNTS[quick] if any(setting.scenes[0].wind.is_random for setting in plan) else 1
     if not console.json_asked:
         finest = next(setting for setting in plan if setting.finest).line()
@@ -111,8 +110,7 @@ def study_scene(plan: list[Setting], limit: Budget | None, by: str | None, quick
     if not known:
         reason = next((row["reason"] for row in rows if row["reason"]), "nothing is logged that could be compared")
         raise console.Failed(f"there is nothing to compare: {reason}; {out / 'tradeoff.csv'}")
-    if by is not None and by not in known:
-        raise console.Refused(f"--by {by}: there is no such error{choice_sentence(by, known)[0]}")
+    check_judge(by, known)
     judge = by or known[0]
     known = [judge, *(name for name in known if name != judge)]
     console.draw_if_able(pareto.draw_scene, out / "tradeoff.png", rows, known[:6], limit)
@@ -132,6 +130,12 @@ def study_scene(plan: list[Setting], limit: Budget | None, by: str | None, quick
     console.say(f"{out / 'tradeoff.csv'}, seeds.csv and tradeoff.png")
 
 
+def check_judge(by: str | None, known: list[str]) -> None:
+    """Raise Refused if `by`, the error that decides, is not among the names `known`."""
+    if by is not None and by not in known:
+        raise console.Refused(f"--by {by}: there is no such error{choice_sentence(by, known)[0]}")
+
+
 def compare_with_finest(plan: list[Setting], seeds: int, runs: list[dict[str, Any]]) -> tuple[list, list]:
     """Table rows of settings (`tradeoff_summary`) and of single runs, with errors against the run with the finest
     setting and equal seed. `runs`: their results, `seeds` for each setting of `plan`."""
@@ -139,10 +143,8 @@ def compare_with_finest(plan: list[Setting], seeds: int, runs: list[dict[str, An
     finest = next(group for setting, group in zip(plan, groups) if setting.finest)
     rows, single = [], []
     for setting, group in zip(plan, groups):
-        gaps = [
-            scenes.errors_against(run["run"], best["run"]) if run["outcome"] == "done" else {}
-            for run, best in zip(group, finest)
-        ]
+        pairs = [(run["run"], best["run"], run["outcome"] == "done") for run, best in zip(group, finest)]
+        gaps = [scenes.errors_against(run, best) if done else {} for run, best, done in pairs]
         for scene, run, gap in zip(setting.scenes, group, gaps):
             facts = {key: run.get(key) for key in ("outcome", "reason", *CLOCK_COLUMNS)}
             single.append(dict(setting.values) | {"seed": scene.seed} | facts | gap)
@@ -176,11 +178,9 @@ def confirmed_setting(
 def budget_verdict(found: dict[str, Any] | None, rows: list[dict[str, Any]], judge: str, limit: Budget) -> str:
     """Text on `found`, the best setting within `limit` by error `judge`; if None, on why none of `rows` fits."""
     if found is not None:
-        return (
-            f"most accurate within {limit.name}, by the {scenes.measure_label(judge)}: {found['setting']}\n"
-            f"  run again with another seed: {found['spent']:.3g} of {limit.most:g}, "
-            f"error {found['error']:.3g} (at most {found['bound']:.3g} expected)"
-        )
+        begin = f"most accurate within {limit.name}, by the {scenes.measure_label(judge)}: {found['setting']}\n"
+        middle = f"  run again with another seed: {found['spent']:.3g} of {limit.most:g},"
+        return f"{begin}{middle} error {found['error']:.3g} (at most {found['bound']:.3g} expected)"
     tried = [row["reason"] for row in rows if row["reason"].startswith("run again")]
     spent = [cost for row in rows if row["outcome"] == "done" and (cost := limit.spent(row)) is not None]
     cheapest = f"the cheapest takes {min(spent):.3g} of {limit.most:g}" if spent else "no setting ran to its end"

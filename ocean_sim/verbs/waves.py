@@ -193,9 +193,8 @@ def wind_text(path: Path) -> str | None:
 
 
 def print_waves(found: dict[str, record.Sea], path: Path, treatment: record.Treatment, time: np.ndarray) -> None:
-    rows = [
-        [name, *(console.cell(getattr(sea, key), "-") for key in WAVE_COLUMNS.values())] for name, sea in found.items()
-    ]
+    keys = WAVE_COLUMNS.values()
+    rows = [[name, *(console.cell(getattr(sea, key), "-") for key in keys)] for name, sea in found.items()]
     heads = [f"{head} [{key.split('_')[-1]}]" if "_" in key else head for head, key in WAVE_COLUMNS.items()]
     console.table(f"{path}: {len(time)} samples from {time[0]:.12g} to {time[-1]:.12g} s", ["gauge", *heads], rows)
     for name, sea in found.items():

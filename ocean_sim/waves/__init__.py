@@ -476,7 +476,8 @@ class FileSpectrum(Model):
         headings = (((self.north_deg or 0.0) + turn) % 360.0 for turn in (0.0, -90.0))
         north, east = (axes.get(heading, f"heading {heading:g}") for heading in headings)
         place = f"north is {north}, east is {east}" if dimension == 3 else "in 2-D all waves travel along +x"
-        return f"{display_path(self.file)}: waves from {self.table.state().from_deg:.0f} deg on average; {place}"
+        mean = f"waves from {self.table.state().from_deg:.0f} deg on average"
+        return f"{display_path(self.file)}: {'; '.join(filter(None, (mean, place, self.table.remark)))}"
 
     def components(
         self, towards: np.ndarray, depth: float, gravity: float = GRAVITY, count: int = SPECTRUM_WAVES
@@ -500,9 +501,8 @@ class FileSpectrum(Model):
         heading = radians(self.north_deg or 0.0) - pi - coming - np.angle(table.moment * mean.conj())[band]
         ahead = np.stack([np.sin(heading), np.cos(heading)], axis=1) if towards[1] else towards
         wavevector = wavenumber(omega, depth, gravity)[:, None] * ahead
-        return Components(
-            np.sqrt(2.0 * (variance / number.clip(1))[band]), wavevector, 2.0 * pi * phase, depth, gravity
-        )
+        amplitude = np.sqrt(2.0 * (variance / number.clip(1))[band])
+        return Components(amplitude, wavevector, 2.0 * pi * phase, depth, gravity)
 
 
 def spectrum_class(value: Any) -> str:

@@ -9,9 +9,11 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
+from ocean_sim.conventions import GRAVITY
+
 Spreading = Literal["mem", "fourier"]
 MOMENT_DIRECTIONS = np.arange(0.0, 360.0)  # [deg] at which a distribution is computed from its moments
-MAX_COHERENCE = 0.998  # length of moments of a distribution that these directions resolve
+MAX_COHERENCE, MAX_SECOND = 0.998, 0.98  # length of c1, and of c2 - c1^2 over its bound 1 - |c1|^2, that is resolved
 SMOOTHING_DEG, SMOOTHING_BANDS = 10.0, 0.7  # by which a table is smoothed before its partitions are found
 SADDLE_RATIO = 0.65  # height of a saddle over the lower of its two peaks, from which they are one partition
 MIN_PARTITION_SHARE = 0.01  # share of the variance below which a partition is noise
@@ -36,6 +38,7 @@ class DirectionalSpectrum:
     direction: np.ndarray
     density: np.ndarray  # (n, m) [m2/(Hz rad)]
     moments: np.ndarray | None = None  # (2, n): c1 and c2
+    remark: str = ""  # on bands whose moments no distribution has
 
     @property
     def step(self) -> float:
@@ -69,6 +72,11 @@ class DirectionalSpectrum:
         """Period [s] of the highest variance density."""
         return 1.0 / float(self.frequency[self.density.sum(axis=1).argmax()])
 
+    @property
+    def steepness(self) -> float:
+        """Significant wave height over the length of waves in deep water with the mean period Tm02."""
+        return 8.0 * np.pi / GRAVITY * float(self.variance @ self.frequency**2) / float(self.variance.sum()) ** 0.5
+
     def state(self) -> SeaState:
         """Integral parameters of this spectrum."""
         m0, m2 = float(self.variance.sum()), float(self.variance @ self.frequency**2)
@@ -83,7 +91,10 @@ class DirectionalSpectrum:
         distribution = maximum_entropy if method == "mem" else fourier_series
         shares = distribution(np.exp(-1j * np.radians(MOMENT_DIRECTIONS)), *self.moments[:, :, None])
         shares /= shares.sum(axis=1, keepdims=True) * np.radians(1.0)
-        return DirectionalSpectrum(self.frequency, MOMENT_DIRECTIONS, self.density * shares)
+        (first, second), there = self.moments, self.density[:, 0] > 0.0
+        n = (there & (np.abs(second - first**2) > 1.0 - np.abs(first) ** 2)).sum() if method == "mem" else 0
+        remark = f"no distribution has the moments of {n} of {there.sum()} bands: a2, b2 are the nearest possible ones"
+        return DirectionalSpectrum(self.frequency, MOMENT_DIRECTIONS, self.density * shares, remark=remark * bool(n))
 
     def partitions(self) -> list["DirectionalSpectrum"]:
         """Division of this spectrum into spectra around its peaks (Hanson & Phillips 2001), the highest waves first."""
@@ -105,11 +116,22 @@ def fourier_series(turn: np.ndarray, first: np.ndarray, second: np.ndarray) -> n
 
 def maximum_entropy(turn: np.ndarray, first: np.ndarray, second: np.ndarray) -> np.ndarray:
     """Directional distribution (n, m) of most entropy with moments `first` and `second` (n, 1) (Lygre & Krogstad 1986),
-    where `turn` (m,) is e^(-i theta). Moments too large for any distribution are reduced to MAX_COHERENCE."""
+    averaged over cells around theta, as peaks may be narrower, where `turn` (m,) is e^(-i theta). Moments too large for
+    any distribution are reduced, the second towards c1^2, by the bound |c2 - c1^2| <= 1 - |c1|^2."""
+    first, second = first / np.sinc(1.0 / len(turn)), second / np.sinc(2.0 / len(turn))  # which the cells take off
     first = first / np.maximum(1.0, np.abs(first) / MAX_COHERENCE)
     phi_2 = (second - first**2) / (1.0 - np.abs(first) ** 2)
-    phi_2 /= np.maximum(1.0, np.abs(phi_2) / MAX_COHERENCE)
-    return np.abs(1.0 - (first - phi_2 * first.conj()) * turn - phi_2 * turn**2) ** -2
+    phi_2 /= np.maximum(1.0, np.abs(phi_2) / MAX_SECOND)
+    phi_1 = first - phi_2 * first.conj()
+    # 1 + 2 sum_n c_n turn^n = -1 + 2 sum_k share_k / (1 - pole_k turn), which has a logarithm as its integral.
+    apart = np.sqrt(phi_1**2 + 4.0 * phi_2)
+    apart = np.where(np.abs(apart) < 1e-6, 1e-6, apart)
+    side, grown = np.exp(1j * np.pi / len(turn)), np.full((len(first), len(turn)), np.pi / len(turn))
+    for gap in (apart, -apart):
+        pole = 0.5 * (phi_1 + gap)
+        share = (pole + first - phi_1) / gap
+        grown = grown + (share * np.log((1.0 - pole * turn / side) / (1.0 - pole * turn * side))).imag
+    return np.maximum(grown, 0.0)
 
 
 def partition_labels(spectrum: DirectionalSpectrum) -> np.ndarray:

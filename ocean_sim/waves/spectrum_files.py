@@ -17,6 +17,8 @@ TIME_FORM = "%Y-%m-%dT%H:%M"
 MISSING_FROM = 999.0  # numbers from here on, and words, stand for none
 MAX_MOMENT = 1.05  # length of a moment, rounded
 SWAN_ENERGY = 1025.0 * 9.81  # [J/m4] energy over variance, with SWAN's default density of water
+MAX_STEEPNESS = 1.0 / 7.0  # of a whole sea, as of the steepest regular wave (Michell 1893)
+MAX_EPOCH = 1e11  # [s]
 ERA5_FREQUENCIES = 0.03453 * 1.1 ** np.arange(30)  # [Hz]
 ERA5_DIRECTIONS = 7.5 + 15.0 * np.arange(24)  # [deg] to which waves travel, clockwise from north
 NDBC_ENDINGS, NDBC_LETTERS = (".data_spec", ".swdir", ".swdir2", ".swr1", ".swr2"), "wdijk"
@@ -29,7 +31,8 @@ TABLE_RULE = Rule(
     "frequencies of a spectrum are above 0 and rise, its directions go all round in equal steps, no density is below 0 "
     "and no moment (r1, r2) above 1"
 )
-CHECKS = (Checked("Wave spectra, `spectrum.file` and `ocean-sim sea FILE`", (FORMAT_RULE, TABLE_RULE)),)
+STEEP_RULE = Rule("Hm0 is at most 1/7 of the length of waves with period Tm02; mind the unit of the densities")
+CHECKS = (Checked("Wave spectra, `spectrum.file` and `ocean-sim sea FILE`", (FORMAT_RULE, TABLE_RULE, STEEP_RULE)),)
 Found = DirectionalSpectrum | None
 
 
@@ -71,19 +74,19 @@ class Lines:
 
 
 def read_spectra(path: str | Path) -> list[Record]:
-    """All spectra of a file whose format is found by its content, in the order of time; raises Unreadable."""
+    """All spectra of a file whose format is found by its content, in order of time; raises Unreadable without any."""
     if read_bytes(path).startswith((b"CDF", b"\x89HDF")):
-        found = _read_era5(path)
+        found = [*_read_era5(path)]
     else:
         lines = Lines(path)
         reader = next((reader for begin, reader in TEXT_READERS.items() if re.match(begin, lines.begin)), None)
         if reader is None:
             raise FORMAT_RULE.broken(path, f"line 1 is {quoted_piece(lines.begin)}")
         found = _read_all(lines, reader)
-    records = sorted((each for each in found if any(each.points)), key=lambda each: each.time or datetime.min)
-    if not records:
-        raise TABLE_RULE.broken(path, "it has no spectrum with energy and directions")
-    return records
+    if not any(any(each.points) for each in found):
+        gaps = " or ".join(word for word in ("ZERO", "NODATA") if word.encode() in read_bytes(path))
+        raise TABLE_RULE.broken(path, f"it has no spectrum with energy and directions{gaps and f', all are {gaps}'}")
+    return sorted(found, key=lambda each: each.time or datetime.min)
 
 
 def _read_all(lines: Lines, reader: Callable[[Lines], Iterable]) -> list:
@@ -101,16 +104,21 @@ def _read_all(lines: Lines, reader: Callable[[Lines], Iterable]) -> list:
 def read_spectrum(path: str | Path, time: str | None, point: int) -> tuple[datetime | None, DirectionalSpectrum]:
     """Time and spectrum of point number `point`, from 1 on, at a time (ISO 8601, UTC, to the minute), or, if that is
     None, at the only time of the file; raises Unreadable if there is none."""
-    records = {f"{each.time:{TIME_FORM}}" if each.time else "": each for each in read_spectra(path)}
+    known = (each for each in read_spectra(path) if any(each.points))
+    records = {f"{each.time:{TIME_FORM}}" if each.time else "": each for each in known}
     first, *_, last = [*records, *records]
     asked = first if time is None and len(records) == 1 else in_utc(time or "")
     if asked not in records:
         wrong = "" if time is None else f", not {quoted_piece(time)}"
-        raise Unreadable(path, f"name one of its {len(records)} times, {first} to {last}{wrong}")
+        its = "its only time" if len(records) == 1 else f"one of its {len(records)} times"
+        raise Unreadable(path, f"name {its}, {first}{f' to {last}' if last != first else ''}{wrong}")
     found = records[asked]
     if point > len(found.points) or (spectrum := found.points[point - 1]) is None:
         there = [f"{k}" for k, each in enumerate(found.points, 1) if each is not None]
         raise Unreadable(path, f"it has no spectrum of point {point}, but of {', '.join(there[:8])}")
+    if spectrum.steepness > MAX_STEEPNESS:
+        height = f"its Hm0, {spectrum.significant_height:.3g} m"
+        raise STEEP_RULE.broken(path, f"{height}, is {spectrum.steepness:.2g} of a length")
     return found.time, spectrum
 
 
@@ -129,14 +137,22 @@ def numbers_in(words: Iterable[str]) -> np.ndarray:
     return np.where(np.abs(values) < MISSING_FROM, values, np.nan)
 
 
-def table_spectrum(path: str | Path, frequency: np.ndarray, *others: np.ndarray) -> Found:
-    """Checked spectrum; `others`: directions (m,) [deg], densities (n, m) at frequencies (n,) [Hz] and, of a buoy,
-    Fourier moments (2, n), as in `DirectionalSpectrum`. None without energy; raises Unreadable, for file `path`."""
-    rising = len(frequency) > 1 and frequency[0] > 0.0 and (np.diff(frequency) > 0.0).all()
-    if not rising or not others[1].min() >= 0.0 or np.isinf(others[1]).any():
-        shown = ", ".join(f"{f:g}" for f in frequency[:3])
-        raise TABLE_RULE.broken(path, f"it has frequencies {shown} ... Hz and a density of {others[1].min():g}")
-    return DirectionalSpectrum(frequency, *others) if others[1].any() else None
+def table_spectrum(
+    path: str | Path,
+    frequency: np.ndarray,
+    direction: np.ndarray,
+    density: np.ndarray,
+    moments: np.ndarray | None = None,
+) -> Found:
+    """Checked spectrum, as in `DirectionalSpectrum`; None without energy. Raises Unreadable, for file `path`."""
+    back = np.flatnonzero(~(np.diff(frequency, prepend=0.0) > 0.0))
+    bad = np.argwhere(~((density >= 0.0) & np.isfinite(density)))
+    if len(back) or len(frequency) < 2:
+        first, last = np.append(0.0, frequency)[back[0] : back[0] + 2] if len(back) else (*frequency, np.nan)
+        raise TABLE_RULE.broken(path, f"{last:g} Hz follows {first:g} Hz")
+    if len(bad):
+        raise TABLE_RULE.broken(path, f"it has a density of {density[*bad[0]]:g} at {frequency[bad[0, 0]]:g} Hz")
+    return DirectionalSpectrum(frequency, direction, density, moments) if density.any() else None
 
 
 def buoy_spectrum(path: str | Path, frequency: np.ndarray, density: np.ndarray, moments: np.ndarray) -> Found:
@@ -192,17 +208,30 @@ def _read_ndbc(lines: Lines) -> Iterable[Record]:
     live, paths = path.suffix in NDBC_ENDINGS, ndbc_files(path)
     if not paths:
         raise FORMAT_RULE.broken(path, "its name does not tell those of the other four")
-    density, *others = [dict(_read_all(Lines(each), _ndbc_rows)) for each in paths]
-    for companion, each in zip(paths[1:], others):
-        if density and density.keys().isdisjoint(each):
-            raise TABLE_RULE.broken(companion, f"it has none of the {len(density)} times of {paths[0].name}")
+    if absent := [each.name for each in paths if not each.exists()]:
+        raise FORMAT_RULE.broken(path, f"there is no {', '.join(absent)} next to it, which it needs")
+    files = [Lines(each) for each in paths]
+    density, *others = [dict(_read_all(each, _ndbc_rows)) for each in files]
+    scale, share = (1.0, "fractions") if live else (100.0, "hundredths")
+    angles, shares = (1.0, 360.0, "degrees"), (0.01 * scale, MAX_MOMENT * scale, share)
+    meanings = (0.0, np.inf, "m2/Hz, after Sep_Freq"), angles, angles, shares, shares
+    for file, each, (least, most, unit) in zip(files, (density, *others), meanings):
+        top = max((np.nanmax(values, initial=0.0) for _, values in each.values()), default=0.0)
+        if (live and ("Sep_Freq" in file.begin) != (each is density)) or 0.0 < top <= least or top > most:
+            wrong = f"expected values in {unit}, got values up to {top:g}: is it another of the five files?"
+            raise FORMAT_RULE.broken(file.path, wrong)
+        if density.keys().isdisjoint(each) and density:
+            raise TABLE_RULE.broken(file.path, f"it has none of the {len(density)} times of {paths[0].name}")
     for time, (frequency, values) in density.items():
-        if all(time in each for each in others):
-            if not all(np.array_equal(each[time][0], frequency) for each in others):
-                raise TABLE_RULE.broken(path, f"its frequencies at {time:{TIME_FORM}} are not those of the other four")
-            alpha_1, alpha_2, r_1, r_2 = (each[time][1] for each in others)
-            moments = np.array([r_1, r_2]) * np.exp(1j * np.radians([alpha_1, 2.0 * alpha_2]))
-            yield Record(time, [buoy_spectrum(path, frequency, values, (1.0 if live else 0.01) * moments)])
+        rows = [each[time] for each in others if time in each]
+        if not all(np.array_equal(row[0], frequency) for row in rows):
+            raise TABLE_RULE.broken(path, f"its frequencies at {time:{TIME_FORM}} are not those of the other four")
+        found: Found = None
+        if len(rows) == len(others):
+            alpha_1, alpha_2, r_1, r_2 = (row[1] for row in rows)
+            moments = np.array([r_1, r_2]) * np.exp(1j * np.radians([alpha_1, 2.0 * alpha_2])) / scale
+            found = buoy_spectrum(path, frequency, values, moments)
+        yield Record(time, [found])
 
 
 def _read_cdip(lines: Lines) -> Iterable[Record]:
@@ -214,7 +243,9 @@ def _read_cdip(lines: Lines) -> Iterable[Record]:
     lines.words("units")
     rows = []
     while not lines.ended:
-        rows.append(numbers_in(lines.words("nine numbers")).reshape(9))
+        rows.append(numbers_in(lines.words("nine numbers, of a higher frequency than before")).reshape(9))
+        if len(rows) > 1 and rows[-1][0] <= rows[-2][0]:
+            raise LookupError
     found = np.array(rows).T
     yield Record(time, [buoy_spectrum(lines.path, found[0], found[2], found[[4, 6]] + 1j * found[[5, 7]])])
 
@@ -230,13 +261,15 @@ def _read_spotter(lines: Lines) -> Iterable[Record]:
         f, density, *parts = np.array([rows[name][row] for name in names]).reshape(6, -1)
         first, second = parts[0] + 1j * parts[1], parts[2] + 1j * parts[3]
         moments = np.array([-1j * first.conj(), -second.conj()])  # an angle t there is a direction of 270 deg - t
+        if not 0.0 <= seconds < MAX_EPOCH:
+            raise FORMAT_RULE.broken(lines.path, f"Epoch Time is {seconds:.0f} s: is it in milliseconds?")
         time = datetime.fromtimestamp(seconds, UTC).replace(tzinfo=None)
         yield Record(time, [buoy_spectrum(lines.path, f, density, moments)])
 
 
 def _read_swan(lines: Lines) -> Iterable[Record]:
     """Yield spectra of SWAN. Directions are NDIR (from which waves come, clockwise from north) or CDIR (to which they
-    travel, counter-clockwise from the x-axis, taken as east); density is in m2 or J/m2 per Hz and degree."""
+    travel, counter-clockwise from the x-axis, taken as east); density is in m2 or J/m2 per Hz and degree or radian."""
     axes: dict[str, np.ndarray] = {}
     timed, points = False, 1
     keys = "TIME", "LONLAT", "LOCATIONS", "AFREQ", "RFREQ", "NDIR", "CDIR", "QUANT"
@@ -251,8 +284,9 @@ def _read_swan(lines: Lines) -> Iterable[Record]:
             values = lines.numbers(count, key)
             axes[key[1:]] = {"NDIR": values + 180.0, "CDIR": 90.0 - values}.get(key, values)
     lines.words("1, of a 2-D spectrum", "1")
-    unit = {"VaDens": np.degrees(1.0), "EnDens": np.degrees(1.0 / SWAN_ENERGY)}[lines.words("VaDens or EnDens")[0]]
-    lines.words("a unit")
+    begin, unit = {"VaDens": ("", 1.0), "EnDens": ("J/", 1.0 / SWAN_ENERGY)}[lines.words("VaDens or EnDens")[0]]
+    angle = lines.words(f"{begin}m2/Hz/degr or {begin}m2/Hz/rad")[0].replace("^", "").removeprefix(f"{begin}m2/Hz/")
+    unit *= {"rad": 1.0, "degr": np.degrees(1.0), "deg": np.degrees(1.0)}[angle]
     lines.words("an exception value, after frequencies and directions")
     shape = len(axes["FREQ"]), len(axes["DIR"])
     while not lines.ended:
@@ -285,19 +319,22 @@ def _read_ww3(lines: Lines) -> Iterable[Record]:
 
 def _read_era5(path: str | Path) -> Iterable[Record]:
     """Yield spectra of ERA5: log10 of density [m2/(Hz rad)], missing if low, by time, frequency, direction, place."""
+    expected = "a whole netCDF file, but this one is cut short or damaged"
     try:
         with open_netcdf(path) as file:
+            expected = "a variable d2fd over time, 30 frequencies and 24 directions"
             variable = file.variables["d2fd"]
             clock = file.variables[variable.dimensions[0]]
             shape = len(clock[:]), len(ERA5_FREQUENCIES), len(ERA5_DIRECTIONS), -1
             density = np.nan_to_num(10.0 ** np.ma.filled(1.0 * variable[:], np.nan).reshape(shape))
-            unit, _, day = clock.units.decode().split()[:3]  # as in hours since 1900-01-01 00:00:00.0
+            expected = f"a time in a unit like 'hours since 1900-01-01', not {quoted_piece(clock.units.decode())}"
+            unit, _, day = clock.units.decode().split()[:3]
             begin = datetime.strptime(day, "%Y-%m-%d")
             times = [begin + timedelta(**{unit: float(value)}) for value in clock[:]]
-    except (AttributeError, LookupError, TypeError, ValueError, OSError) as error:
+    except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError, OSError) as error:
         if isinstance(error, Unreadable):
             raise
-        raise FORMAT_RULE.broken(path, "no variable d2fd over time, 30 frequencies and 24 directions") from None
+        raise FORMAT_RULE.broken(path, f"expected {expected}") from None
     for time, points in zip(times, np.moveaxis(density, -1, 1)):
         yield Record(time, [model_spectrum(path, ERA5_FREQUENCIES, ERA5_DIRECTIONS, each) for each in points])
 

@@ -191,10 +191,8 @@ def overdamped(wind: Config, u10: float, k: float, preflight: SceneFacts) -> Ite
     if wind.sheltering and wind.pressure_gain is not None:
         key, gain = "pressure_gain", wind.gain_of_pressure
     needed = f"; a {key} of {gain * lost / beta:.2g} would balance it" if beta > 0.0 else ""
-    yield (
-        f"wind: damping exceeds growth: waves of {length:.3g} m grow at {beta:.2g} /s, and 4 nu k^2 is {lost:.2g} /s, "
-        f"of a viscosity of {own:g} m2/s and {added:.2g} that {fluid.kind} adds, as measured{needed}"
-    )
+    begin = f"wind: damping exceeds growth: waves of {length:.3g} m grow at {beta:.2g} /s, and 4 nu k^2 is {lost:.2g}"
+    yield f"{begin} /s, of a viscosity of {own:g} m2/s and {added:.2g} that {fluid.kind} adds, as measured{needed}"
 
 
 def unresolved(wind: Config, u10: float, preflight: SceneFacts) -> Iterator[str]:
@@ -215,11 +213,9 @@ def unresolved(wind: Config, u10: float, preflight: SceneFacts) -> Iterator[str]
     seen = 2.0 * pi / max(length, MIN_WAVE_SPACINGS * spacing)
     most, nu = plant(u10, seen, pull) / (4.0 * seen**2), preflight.fluid.viscosity_asked
     if nu > most:
-        yield (
-            f"wind: the viscosity of {nu:g} m2/s is more than the {most:.2g} m2/s under which a real wind of {u10:g} "
-            f"m/s makes waves of {2.0 * pi / seen:.3g} m grow (Plant 1982); the scheme adds viscosity of its own "
-            "(ocean-sim validate wind_growth)"
-        )
+        opening = f"wind: the viscosity of {nu:g} m2/s is more than the {most:.2g} m2/s under which"
+        told = f"a real wind of {u10:g} m/s makes waves of {2.0 * pi / seen:.3g} m grow (Plant 1982);"
+        yield f"{opening} {told} the scheme adds viscosity of its own (ocean-sim validate wind_growth)"
     yield from overdamped(wind, u10, seen, preflight)
     yield from rigid_layer_warnings(wind.on_water(u10), preflight)
 
@@ -229,11 +225,9 @@ def rigid_layer_warnings(stress: float, preflight: SceneFacts) -> Iterator[str]:
     fluid, tank = preflight.fluid, preflight.tank
     pressure, share = fluid.rest_density * hypot(*tank.gravity) * tank.depth, fluid.bears_shear
     if 0.0 < stress < FLOW_SHEAR_RATIO * share * pressure:
-        yield (
-            f"wind: the stress of {stress:.2g} Pa is {stress / pressure:.1e} of the pressure at the bed, and particles "
-            f"of {fluid.kind} that have lost their rows bear about {share:.0e} of it: after some seconds the drift is "
-            "too slow, or stops (ocean-sim validate wind_setup)"
-        )
+        opening = f"wind: the stress of {stress:.2g} Pa is {stress / pressure:.1e} of the pressure at the bed,"
+        told = f"and particles of {fluid.kind} that have lost their rows bear about {share:.0e} of it:"
+        yield f"{opening} {told} after some seconds the drift is too slow, or stops (ocean-sim validate wind_setup)"
 
 
 @in_kernels

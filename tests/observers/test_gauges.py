@@ -283,6 +283,11 @@ def test_a_run_up_that_cannot_be_measured_is_refused(watched, floor, width, line
     assert key == ("runup", "shore") and said in sentence
 
 
+def test_a_faulty_bed_is_not_called_flat(watched):
+    config = gauges.Config.model_validate({"runup": {"shore": {}}})
+    assert not [*config.misplaced_gauges(watched(floor={"profile": [[-1.0, -900.0], [1.0, 900.0]]}).basin)]
+
+
 def test_a_run_up_has_a_column_of_its_own():
     with pytest.raises(ValidationError, match="both have the column shore_m"):
         gauges.Config.model_validate({"runup": {"shore": {}}, "elevation": {"shore": [0.0, 0.0]}})

@@ -44,7 +44,7 @@ BAD = {
     "infinity": (with_value("pitch_rate_rad_s", 3, np.inf), "pitch_rate_rad_s is 'inf' in row 4"),
     "a jump": (with_value("heave_m", 700, 10.0), "the ship jumps by .* m between"),
     "no rows": (without(columns(), np.r_[0:0]), "has no rows"),
-    "one row": (without(columns(), np.r_[0:1]), "has 1 rows"),
+    "one row": (without(columns(), np.r_[0:1]), "has 1 of at least 2 rows"),
     "a turn at once": (
         changed("roll_rad", lambda roll: roll + 1.5 * (np.arange(len(roll)) >= 700)),
         "turns by 8[56]",

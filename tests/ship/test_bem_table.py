@@ -356,7 +356,7 @@ def test_no_column_of_a_motion_is_dropped_without_a_word(tmp_path, more, sentenc
             {},
             "not what they do in roll: no wave moves her there",
         ),
-        (ROLL | {f"roll_scattered_90_{part}": 1.0 for part in ("re", "im")}, {}, "are taken for those of any waves"),
+        (ROLL | {f"roll_scattered_90_{part}": 1.0 for part in ("re", "im")}, {}, "taken for those of any waves"),
     ],
 )
 def test_what_a_table_leaves_without_damping_mass_or_push_is_said(tmp_path, columns, keys, sentence):

@@ -95,6 +95,10 @@ def written(folder, *rows: str, heading: str = ",".join(TABLE_COLUMNS)) -> str:
         (["1,-90,8,0,0"], None, "row 1 has 1 rad/s and -90 degrees"),
         (["1,0,8,0,0", "2,90,0,8,0"], None, "2 rad/s and 0 degrees stand in 0 rows"),
         (["1,0,8,0,0", "1,0,8,0,0"], None, "1 rad/s and 0 degrees stand in 2 rows"),
+        (["1,0,8,0,0"], None, "its headings are 0 degrees alone"),
+        (["1,0,8,0,0", "1,90,0,0,0"], None, "its headings are 0 to 90 degrees alone"),
+        (["1,0,8,0,0", "1,1.571,0,0,0", "1,3.142,-8,0,0"], None, r"0 to 3\.142 degrees: are they radians\?"),
+        (["1,0,8,0,0", "1,90,0,0,0", "1,200,0,0,0"], None, "its headings are 0 to 200 degrees alone"),
     ],
 )
 def test_a_faulty_table_is_named_with_its_row_and_what_was_expected(tmp_path, rows, names, wrong):
@@ -141,7 +145,7 @@ def test_a_moored_hull_settles_at_force_over_stiffness():
 
 def test_with_the_key_first_order_forces_have_no_mean_of_their_own(tmp_path):
     """Under a table of zeros, at the resonance of heave; without the key that mean is nearly what a wall feels."""
-    nothing = {"table": written(tmp_path, "1,90,0,0,0")}
+    nothing = {"table": written(tmp_path, "1,0,0,0,0", "1,180,0,0,0")}
     wall, free, period = 0.1**2 * 20.0 * UNIT, ("sway", "heave", "roll"), 2.0 * pi / 1.5
     assert abs(settled(nothing, free, period)) < 0.02 * wall
     assert settled(None, free, period) > 0.7 * wall
@@ -234,6 +238,23 @@ def test_check_says_what_acts_on_each_ship():
     found = acting({"drift": "rule"}, {"kind": "spectral_sea", "current": [0.5, 0.0]})
     assert found.endswith("mean, no slow drift (by rule), no wind, current")
     assert acting({"drift": "rule"}, {"height": 0.0}) == ""
+
+
+@pytest.mark.parametrize("kind", ["linear_waves", "spectral_sea"])
+@pytest.mark.parametrize(("period", "share"), [(3.5, None), (1.0, 100), (60.0, 100)])
+def test_waves_beyond_the_table_are_warned_of(kind, period, share):
+    waves = {"kind": kind, "period": period, "height": 0.05}
+    said = load(scene({"drift": {"table": BARGE}}, waves)).warnings()
+    found = [sentence for sentence in said if "beyond the table of drift" in sentence]
+    assert [sentence.split(" %")[0] for sentence in found] == ([] if share is None else [f"{share}"])
+    assert not [sentence for sentence in load(scene({"drift": "rule"}, waves)).warnings() if "drift" in sentence]
+
+
+def test_a_table_all_round_is_closed(tmp_path):
+    """From 350 to 10 degrees as between any others; a table of 20 to 340 degrees, too."""
+    rows = [f"1,{heading},{np.cos(np.radians(heading))},{heading},0" for heading in range(0, 360, 20)]
+    found = read_table(written(tmp_path, *rows)).coefficients(np.ones(2), np.ones(2), np.radians([350.0, 10.0]))
+    assert found[0] == pytest.approx(0.5 + 0.5 * np.cos(np.radians(20.0))) and found[1] == pytest.approx([170.0, 10.0])
 
 
 def test_on_particles_the_key_is_refused():

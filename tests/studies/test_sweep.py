@@ -167,6 +167,19 @@ def test_a_second_sweep_runs_again_what_names_a_file_that_has_changed(capsys):
     assert not any(Path("late").rglob("answer.json"))
 
 
+def test_a_scene_is_looked_for_next_to_the_plan():
+    Path("plans").mkdir()
+    Path("plans/sea.yaml").write_text(SEA.replace("0.4\ngauges", "0.3\ngauges"))
+    Path("sea.yaml").write_text(SEA)
+    Path("plans/plan.yaml").write_text("scene: sea.yaml\n")
+    assert read_plan(Path("plans/plan.yaml"))[0].scene.duration == 0.3
+    Path("plans/sea.yaml").unlink()
+    assert read_plan(Path("plans/plan.yaml"))[0].scene.duration == 0.4
+    Path("sea.yaml").unlink()
+    with pytest.raises(SceneError, match="looked for next to the plan and in /"):
+        read_plan(Path("plans/plan.yaml"))
+
+
 def test_a_plan_that_is_wrong_says_where():
     assert wrong("scene: sea.yaml\ngird: {seed: [1]}\n") == ["plan.yaml:2:1: gird: unknown key; did you mean 'grid'?"]
     assert wrong("set: {seed: 1}\n") == ["plan.yaml:1:1: scene: missing key"]

@@ -341,6 +341,10 @@ def test_the_study_of_a_scene_answers_with_a_line_to_paste_and_proves_it(capsys,
     assert run_command_line([*asked, "--budget", "0.001ms"]) == 0  # the runs are there already
     assert "nothing fits 0.001ms: the cheapest takes" in capsys.readouterr().out
     assert run_command_line([*asked, "--by", "centre_hz_m"]) == 2
+    monkeypatch.setattr("ocean_sim.verbs.tradeoff.Study", None)  # no run begins
+    capsys.readouterr()
+    assert run_command_line([*asked[:-1], "new", "--by", "centre_hm1_m"]) == 2
+    assert "--by centre_hm1_m: there is no such error; did you mean" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(

@@ -3,6 +3,7 @@
 import json
 import struct
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -80,6 +81,13 @@ def test_the_sea_of_a_scene_is_written_and_read_by_another_scene(tmp_path, capsy
     assert code == 0 and again["waves"] == answer["waves"]
     assert again["significant_height_m"] == pytest.approx(answer["significant_height_m"], rel=1e-3)
     assert run_command_line(["sea", "linear_sea"]) == 2 and "name a file to write" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("words", [("--at", "nan,0"), ("--at", "1e30,0"), ("--until", "1e12")])
+def test_numbers_that_no_sea_has_are_refused(words, tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert run_command_line(["sea", "linear_sea", "--openfast", "a.Elev", "--until", "1", *words]) == 2
+    assert capsys.readouterr().err.startswith(words[0]) and not Path("a.Elev").exists()
 
 
 def test_the_library_of_the_format_reads_what_is_written(tmp_path):

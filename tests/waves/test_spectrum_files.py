@@ -2,6 +2,7 @@
 
 import json
 import shutil
+from dataclasses import replace
 from datetime import datetime
 from pathlib import Path
 
@@ -92,24 +93,28 @@ def write_spotter(folder: Path, sea: DirectionalSpectrum) -> Path:
     return folder / "spot.csv"
 
 
-def swan_text(sea: DirectionalSpectrum, key: str, angles: np.ndarray, table: np.ndarray, name: str) -> str:
+def swan_text(sea: DirectionalSpectrum, key: str, angles: np.ndarray, table: np.ndarray, name: str, unit: str) -> str:
     factor = table.max() / 9998.0
     rows = "\n".join(" ".join(f"{value:5.0f}" for value in row) for row in table / factor)
     axes = f"AFREQ  absolute frequencies in Hz\n {len(F)}\n" + "".join(f"{f:.5f}\n" for f in F)
     axes += f"{key}  directions\n {len(angles)}\n" + "".join(f"{angle:.4f}\n" for angle in angles)
     head = "SWAN   1\n$ made up\nTIME\n 1 coding\nLONLAT\n 2 places\n 1.0 2.0\n 3.0 4.0\n" + axes
-    head += f"QUANT\n 1 number\n{name}  densities\nunit\n -99 exception value\n"
+    head += f"QUANT\n 1 number\n{name}  densities\n{unit} unit\n -99 exception value\n"
     return f"{head}20261003.120000 date\nFACTOR\n {factor:.8E}\n{rows}\nNODATA\n"
 
 
 def write_swan(folder: Path, sea: DirectionalSpectrum) -> Path:
-    (folder / "a.spc").write_text(swan_text(sea, "NDIR", sea.direction, np.radians(sea.density), "VaDens"))
+    (folder / "a.spc").write_text(
+        swan_text(sea, "NDIR", sea.direction, np.radians(sea.density), "VaDens", "m2/Hz/degr")
+    )
     return folder / "a.spc"
 
 
 def write_swan_cartesian(folder: Path, sea: DirectionalSpectrum) -> Path:
-    table = 1025.0 * 9.81 * np.radians(sea.density)
-    (folder / "c.spc").write_text(swan_text(sea, "CDIR", (270.0 - sea.direction) % 360.0, table, "EnDens"))
+    table = 1025.0 * 9.81 * sea.density
+    (folder / "c.spc").write_text(
+        swan_text(sea, "CDIR", (270.0 - sea.direction) % 360.0, table, "EnDens", "J/m2/Hz/rad")
+    )
     return folder / "c.spc"
 
 
@@ -181,9 +186,9 @@ def test_values_that_stand_for_none_are_gaps(tmp_path):
         row = own[1].split()
         row[5 + 2 * 12] = "999.0"
         path.with_suffix(name).write_text("\n".join([own[0], " ".join(row)]))
-    (record,) = read_spectra(path)
+    record, second = read_spectra(path)
     found = record.points[0]
-    assert len(found.frequency) == len(F) - 2 and record.time == TIME
+    assert len(found.frequency) == len(F) - 2 and record.time == TIME and second.points == [None]
     np.testing.assert_allclose(found.moments[:, 10], found.moments[:, 9])
 
 
@@ -201,6 +206,20 @@ def test_maximum_entropy_has_the_spread_of_a_cos_2s(s):
     assert clipped.state().from_deg == pytest.approx(70.0, abs=1e-3) and clipped.density.min() >= 0.0
     assert clipped.state().spread_deg >= state.spread_deg - 1e-6  # a series cut short is wider than a narrow sea
     assert clipped.variance.sum() == pytest.approx(buoy.variance.sum())
+
+
+@pytest.mark.parametrize("largest", [1.0, 0.0])
+def test_moments_keep_the_mean_direction_of_each_band(largest):
+    """Feasible second moments, up to the bound |c2 - c1^2| = 1 - |c1|^2, and any others; the cells are of 1 degree."""
+    uniform = np.random.default_rng(0).uniform(size=(4, 2000))
+    first, other = np.sqrt(0.0004 + 0.9996 * uniform[:2]) * np.exp(2j * np.pi * uniform[2:])
+    second = first**2 + other * (1.0 - np.abs(first) ** 2) if largest else other
+    outside = (np.abs(second - first**2) > 1.0 - np.abs(first) ** 2).sum()
+    buoy = DirectionalSpectrum(np.linspace(0.1, 1.0, 2000), np.zeros(1), np.ones((2000, 1)), np.array([first, second]))
+    found = buoy.spread("mem")
+    assert np.abs(np.degrees(np.angle(found.moment / first))).max() < 1.0
+    assert found.density.min() >= 0.0 and found.variance == pytest.approx(buoy.variance)
+    assert found.remark == "" if largest else f"{outside} of 2000 bands" in found.remark
 
 
 def test_a_sea_and_a_swell_are_two_partitions():
@@ -347,7 +366,7 @@ def test_the_verb_lists_times_and_describes_one(tmp_path, capsys):
 
 
 BAD = {
-    "negative": (write_ndbc, " 0.0000 (0.03453)", " -0.5 (0.03453)", "and a density of -0.5"),
+    "negative": (write_ndbc, " 0.0000 (0.03453)", " -0.5 (0.03453)", "a density of -0.5 at 0.03453 Hz"),
     "row": (
         write_ndbc,
         "(0.03453)",
@@ -356,12 +375,26 @@ BAD = {
     ),
     "frequency": (write_ndbc, "(0.03453)", "(low)", r"line 2: expected a date and a value for each frequency"),
     "date": (write_ndbc, "2026 10 03", "2026 13 03", "line 2: expected a date and a value"),
-    "cdip row": (write_cdip, " 0.0050 ", " ", r"sp\.txt: line 6: expected nine numbers, got"),
+    "cdip row": (write_cdip, " 0.0050 ", " ", r"sp\.txt: line 6: expected nine numbers, .* got"),
+    "cdip order": (
+        write_cdip,
+        "0.03798 0.0050",
+        "0.03453 0.0050",
+        r"line 7: expected .* a higher frequency .* '0.03453",
+    ),
+    "order": (write_ww3, "3.798E-02", "3.453E-02", "0.03453 Hz follows 0.03453 Hz"),
+    "spotter clock": (
+        write_spotter,
+        "1791028800",
+        "1791028800000",
+        r"Epoch Time is 1791028800000 s: is it in milliseconds\?",
+    ),
     "cdip time": (write_cdip, "202610031200 ", "sp ", "line 1: expected File Name: sp and a time"),
     "spotter": (write_spotter, "b2_0", "b3_0", "line 1: expected a column b2_0"),
     "swan key": (write_swan, "NDIR", "MDIR", "line 41: expected one of TIME, .* got 'MDIR"),
     "swan end": (write_swan, "NODATA\n", "", "line [0-9]+: expected FACTOR, ZERO or NODATA, got 'the end'"),
     "swan 1-D": (write_swan, " 1 number", " 3 numbers", "expected 1, of a 2-D spectrum, got '3 numbers'"),
+    "swan unit": (write_swan, "m2/Hz/degr", "J/m2/Hz/degr", "line 70: expected m2/Hz/degr or m2/Hz/rad, got 'J/m2"),
     "swan quantity": (write_swan, "VaDens", "AcDens", "expected VaDens or EnDens, got 'AcDens"),
     "ww3 size": (write_ww3, "     30    24", "     30    25", "expected 25 directions"),
     "ww3 date": (write_ww3, "20261003 120000", "2026 120000", "line [0-9]+: expected a time like 20261003 120000"),
@@ -384,6 +417,64 @@ def test_a_bad_file_is_refused_in_one_sentence(case, tmp_path, capsys):
         read_spectra(path)
 
 
+@pytest.mark.parametrize(
+    ("write", "source", "name", "sentence"),
+    [
+        (write_ndbc, ".data_spec", ".swdir", r"b\.swdir: expected values in degrees"),
+        (write_ndbc, ".swr1", ".data_spec", r"b\.data_spec: expected values in m2/Hz, after Sep_Freq"),
+        (write_ndbc, ".swr1", ".swdir", r"b\.swdir: expected values in degrees"),
+        (write_ndbc_year, "d2026.txt", "j2026.txt", r"bj2026\.txt: expected values in hundredths"),
+    ],
+)
+def test_a_file_of_a_buoy_that_is_another_of_the_five_is_refused(write, source, name, sentence, tmp_path):
+    path = write(tmp_path, one_sea())
+    (tmp_path / f"b{name}").write_text((tmp_path / f"b{source}").read_text())
+    with pytest.raises(Unreadable, match=sentence):
+        read_spectra(path)
+
+
+def test_r1_and_r2_of_a_year_as_fractions_are_refused(tmp_path):
+    path = write_ndbc_year(tmp_path, one_sea())
+    head, row = (tmp_path / "bj2026.txt").read_text().splitlines()
+    words = row.split()
+    row = " ".join([*words[:5], *(f"{0.01 * float(word):.3f}" for word in words[5:])])
+    (tmp_path / "bj2026.txt").write_text(f"{head}\n{row}\n")
+    with pytest.raises(Unreadable, match=r"bj2026\.txt: expected values in hundredths, got values up to 0\."):
+        read_spectra(path)
+
+
+@pytest.mark.parametrize("write", [write_spotter, write_ww3, write_swan])
+def test_waves_steeper_than_any_are_listed_and_refused(write, tmp_path):
+    sea = one_sea()
+    path = write(tmp_path, replace(sea, density=100.0 * sea.density))
+    assert read_spectra(path)
+    with pytest.raises(Unreadable, match=r"its Hm0, 20\.1 m, is 0\.25 .*mind the unit of the densities"):
+        read_spectrum(path, None, 1)
+
+
+@pytest.mark.parametrize("word", ["ZERO", "NODATA"])
+def test_a_file_of_gaps_alone_says_so(word, tmp_path):
+    path = write_swan(tmp_path, one_sea())
+    path.write_text(f"{path.read_text().partition('FACTOR')[0]}{word}\n{word}\n")
+    with pytest.raises(Unreadable, match=f"no spectrum with energy and directions, all are {word}"):
+        read_spectra(path)
+
+
+def test_a_file_of_era5_says_what_is_wrong_with_it(tmp_path):
+    path = write_era5(tmp_path, one_sea())
+    whole = path.read_bytes()
+    for data, sentence in {
+        whole[:2000]: "cut short or damaged",
+        whole.replace(
+            b"hours since 1900-01-01", b"weeks before 1900-1-01"
+        ): "'hours since 1900-01-01', not 'weeks before",
+        whole.replace(b"d2fd", b"efth"): "a variable d2fd over time",
+    }.items():
+        path.write_bytes(data)
+        with pytest.raises(Unreadable, match=sentence):
+            read_spectra(path)
+
+
 def test_a_time_may_have_an_offset_from_utc():
     there = read_spectrum(BUOY, "2020-06-02T06:50+02:00", 1)
     assert there[0] == read_spectrum(BUOY, "2020-06-02T04:50", 1)[0] == datetime(2020, 6, 2, 4, 50)
@@ -391,7 +482,7 @@ def test_a_time_may_have_an_offset_from_utc():
 
 def test_a_missing_companion_an_unknown_name_and_another_time_are_refused(tmp_path):
     path = write_ndbc(tmp_path, one_sea())
-    with pytest.raises(Unreadable, match=r"name one of its 1 times, 2026-10-03T12:00 to .*, not '2026-10-03T13:00'"):
+    with pytest.raises(Unreadable, match=r"name its only time, 2026-10-03T12:00, not '2026-10-03T13:00'"):
         read_spectrum(path, "2026-10-03T13:00", 1)
     with pytest.raises(Unreadable, match="it has no spectrum of point 2, but of 1"):
         read_spectrum(path, None, 2)
@@ -411,7 +502,7 @@ def test_a_missing_companion_an_unknown_name_and_another_time_are_refused(tmp_pa
         with pytest.raises(Unreadable, match=rf"b\.swr1: .*{sentence}"):
             read_spectra(path)
     (tmp_path / "b.swr2").unlink()
-    with pytest.raises(Unreadable, match=r"b\.swr2: there is no such file"):
+    with pytest.raises(Unreadable, match=r"b\.data_spec: there is no b\.swr2 next to it"):
         read_spectra(path)
 
 

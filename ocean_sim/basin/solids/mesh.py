@@ -129,10 +129,8 @@ class ClosedMesh:
             if not low <= ratio <= high
         ]
         if kb < UPRIGHT_BUOYANCY * draught and len(self.remarks) == len(self.skins):  # and no open shell
-            odd.append(
-                f"she becomes narrower from the keel to the waterline (KB is {kb / draught:.3f} of the draught): is "
-                f"she upside down? --up {self.up[1:] or f'-{self.up}'} turns her over"
-            )
+            begin = f"she becomes narrower from the keel to the waterline (KB is {kb / draught:.3f} of the draught):"
+            odd.append(f"{begin} is she upside down? --up {self.up[1:] or f'-{self.up}'} turns her over")
         return [f"unlike a ship: {'; '.join(odd)}; --up, --bow and --scale say how the file is meant"] if odd else []
 
     @cached_property

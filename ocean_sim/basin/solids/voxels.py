@@ -92,10 +92,8 @@ def voxels(shape: SolidShape, side: float, flat: float = MAX_FLATNESS) -> Voxels
     sides = np.clip((upper - lower) / SUFFICIENT_CUBES, side, flat * side)
     counts = np.maximum(1, np.ceil((upper - lower) / sides - 1e-6).astype(int))
     if counts.prod() > MAX_CUBES:
-        raise ValueError(
-            f"a hull of {' x '.join(f'{x:.3g}' for x in upper - lower)} m in cubes of {side:.3g} m needs "
-            f"{counts.prod():.3g} of them (at most {MAX_CUBES:g}); take fewer cells_per_draught"
-        )
+        begin = f"a hull of {' x '.join(f'{x:.3g}' for x in upper - lower)} m in cubes of {side:.3g} m needs"
+        raise ValueError(f"{begin} {counts.prod():.3g} of them (at most {MAX_CUBES:g}); take fewer cells_per_draught")
     content = shape.content() + f"{counts.tolist()}".encode()
     size = (upper - lower) / counts
 

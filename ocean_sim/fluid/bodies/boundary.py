@@ -175,9 +175,8 @@ class Boundary:
         self.impulse = ti.field(ti.f64, shape=(n, 3))
         if self.moving:
             self.strength = ti.field(float, shape=len(bodies))
-            self.strength.from_numpy(
-                np.array([body.strength(smoothing, particles.spacing) for body in bodies], dtype=self.arm.precision)
-            )
+            strengths = [body.strength(smoothing, particles.spacing) for body in bodies]
+            self.strength.from_numpy(np.array(strengths, dtype=self.arm.precision))
         if self.working:
             self.work = ti.field(ti.f64, shape=(n, 2))  # [J] on the water, and what its law has put under walls
         self.shares, self.slips = ti.field(float, shape=n), ti.field(int, shape=n)
@@ -213,9 +212,8 @@ class Boundary:
                 self.motion[k, MOTION_COLUMNS.gone] = 1.0
             else:
                 self.speed = max(self.speed, float(np.linalg.norm(moved.velocity)))
-                self.place(
-                    k, self.bodies[k].origin + moved.way, NO_ROTATION, moved.velocity, ZERO_VECTOR, moved.acceleration
-                )
+                place = self.bodies[k].origin + moved.way
+                self.place(k, place, NO_ROTATION, moved.velocity, ZERO_VECTOR, moved.acceleration)
 
     def place(
         self,

@@ -87,10 +87,9 @@ class Zone:
         if self.coming is None or self.length >= MIN_ZONE_WAVES * self.wavelength:
             return None
         peak, _ = self.reflection
-        return (
-            f"the zone before absorbing side {self.side} is {self.length:.3g} m long, less than half the wavelength of "
-            f"{self.wavelength:.3g} m: it sends back {peak:.0%} of the height of waves, one wavelength about 1 %"
-        )
+        opening = f"the zone before absorbing side {self.side} is {self.length:.3g} m long,"
+        middle = f"less than half the wavelength of {self.wavelength:.3g} m:"
+        return f"{opening} {middle} it sends back {peak:.0%} of the height of waves, one wavelength about 1 %"
 
 
 def scene_waves(basin: Basin, initial: Initial | None) -> waves.Components | None:

@@ -138,11 +138,9 @@ class Accounts:
         speed2, acceleration2, thin, dense, total, clipped, crowded, thinner, inner = summary.tolist()
         if crowded:
             x, y, z = grid.fullest_place()
-            raise Diverged(
-                f"{int(crowded)} cells have more neighbours than their lists hold: the water is packed up to "
-                f"{dense:.0f} kg/m3, most of all around ({x:.4g}, {y:.4g}, {z:.4g}) m; "
-                "try a smaller compression (stiffer water), a smaller time step or more viscosity"
-            )
+            opening = f"{int(crowded)} cells have more neighbours than their lists hold: the water is packed"
+            middle = f"up to {dense:.0f} kg/m3, most of all around ({x:.4g}, {y:.4g}, {z:.4g}) m; try a smaller"
+            raise Diverged(f"{opening} {middle} compression (stiffer water), a smaller time step or more viscosity")
         speed, acceleration, swelling = speed2**0.5, acceleration2**0.5, thinner / max(inner, 1.0)
         return Status(speed, acceleration, thin, dense, int(clipped), isfinite(total), swelling, int(inner))
 

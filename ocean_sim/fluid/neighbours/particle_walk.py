@@ -288,9 +288,8 @@ class ParticlePlan(Plan):
 
 Walk = CellWalk | ParticleWalk
 CELL_PLAN, PARTICLE_PLAN = Plan(Grid, Accounts, CellWalk), ParticlePlan(WideGrid, WideAccounts, ParticleWalk)
-PLANS: dict[str, Plan] = {"cpu": CELL_PLAN, "auto": CELL_PLAN} | dict.fromkeys(
-    (*GRAPHICS_CARD_CHOICES, *GRAPHICS_BACKENDS), PARTICLE_PLAN
-)
+CARD_PLANS = dict.fromkeys((*GRAPHICS_CARD_CHOICES, *GRAPHICS_BACKENDS), PARTICLE_PLAN)
+PLANS: dict[str, Plan] = {"cpu": CELL_PLAN, "auto": CELL_PLAN} | CARD_PLANS
 """Plans by backend. Before a backend is started, `auto` counts as the processor and `gpu` as a card."""
 
 

@@ -132,10 +132,9 @@ class RelaxationBand:
         if self.sea is None or self.requested is None or share < VARIANCE_ROUNDING:
             return None
         left, asked = self.sea.significant_height, self.requested.significant_height
-        return (
-            f"{share:.2g} of the variance of the sea is in waves of fewer than {MIN_WAVE_SPACINGS:g} particles, which "
-            f"are left out: its significant height is {left:.4g} m on the patch (asked for: {asked:.4g} m)"
-        )
+        told = f"{share:.2g} of the variance of the sea is in waves of fewer than {MIN_WAVE_SPACINGS:g} particles,"
+        why = "which are left out:"
+        return f"{told} {why} its significant height is {left:.4g} m on the patch (asked for: {asked:.4g} m)"
 
     def statements(self) -> Iterator[str]:
         """Yield sentences that describe the patch, its rim and its sea."""
@@ -162,10 +161,8 @@ class RelaxationBand:
             yield "how much of its height the sea has at the ship is not known for this scheme"
             return
         fed = "" if self.feed.any() else ", then without a feed" if self.sea.ramp > 0.0 else ", without a feed"
-        yield (
-            f"by a 1-D model the sea has {abs(at_rest):.2g} of its height at a ship at rest and "
-            f"{abs(following):.2g} at one that keeps up with it{fed}"
-        )
+        opening = f"by a 1-D model the sea has {abs(at_rest):.2g} of its height at a ship at rest and"
+        yield f"{opening} {abs(following):.2g} at one that keeps up with it{fed}"
 
     def warnings(self, duration: float) -> Iterator[str]:
         """Yield warnings of a patch whose sides, rim or spacing do not suit its waves, for a run of `duration` [s]."""
@@ -176,17 +173,13 @@ class RelaxationBand:
         if self.unresolved_share > NOTABLE_LOST_VARIANCE:
             yield f"{self.resolution_note()}; take a smaller spacing"
         if self.sea is not None and self.width < MIN_RIM_WAVES * self.sea.wavelength and self.rate > 0.0:
-            yield (
-                f"the rim of the patch is {self.width:.3g} m wide, less than {MIN_RIM_WAVES:g} of the wavelength of "
-                f"{self.sea.wavelength:.3g} m: it returns more than a twentieth of the ship's waves; take a "
-                "larger patch"
-            )
+            told = f"the rim of the patch is {self.width:.3g} m wide,"
+            why = f"less than {MIN_RIM_WAVES:g} of the wavelength of {self.sea.wavelength:.3g} m:"
+            yield f"{told} {why} it returns more than a twentieth of the ship's waves; take a larger patch"
         elif self.wake_transmission > MAX_WAKE_SHARE:
-            yield (
-                f"a rim {self.width:.3g} m wide of a rate of {self.rate:.3g} 1/s lets "
-                f"{self.wake_transmission:.0%} of the height of a ship's waves through, and she meets her own wake; "
-                "leave rim.rate out"
-            )
+            told = f"a rim {self.width:.3g} m wide of a rate of {self.rate:.3g}"
+            why = f"1/s lets {self.wake_transmission:.0%} of the height of a ship's waves through,"
+            yield f"{told} {why} and she meets her own wake; leave rim.rate out"
         for speed, who in ((0.0, "at rest"), (1.0, "that keeps up with it")):
             there = self.height_at_ship(speed)
             if there is not None and abs(there) < 1.0 - MAX_HEIGHT_DEFICIT:

@@ -24,9 +24,8 @@ from ocean_sim.random_numbers import numpy_uniform3
 State = tuple[np.ndarray, np.ndarray, np.ndarray]  # positions (n, 3) [m], velocities (n, 3) [m/s], pressures (n,) [Pa]
 ONE_COLUMN = Rule("a column is known by its name before the first _, and there is one of each")
 UNIQUE_ROWS = Rule("each particle is there once: no two rows have the same place and velocity")
-CHECKS = (
-    Checked("Particles, `fluid.initial.file.path`: a table, or an npz file of arrays", (ONE_COLUMN, UNIQUE_ROWS)),
-)
+CHECKED_FILE = "Particles, `fluid.initial.file.path`: a table, or an npz file of arrays"
+CHECKS = (Checked(CHECKED_FILE, (ONE_COLUMN, UNIQUE_ROWS)),)
 
 DISORDER_STREAM = 0x4_0000  # stream of random numbers
 FLOW_STEPS = 4  # Runge-Kutta steps along a displacement

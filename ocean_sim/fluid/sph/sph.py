@@ -140,10 +140,9 @@ class SphConfig(WaterConfig):
             few = f"is larger than the water is deep, {depth:g} m"
             yield f"{few}; water that moves takes {depth / self.ratio(preflight.tank):.2g} m or less"
         if grid.lattice.n > most:
-            yield (
-                f"makes {grid.lattice.n} particles; at a support of {self.ratio(preflight.tank):g} spacings the "
-                f"neighbours of about {most} at most can be counted in 32 bits; {self.fitting_spacing(preflight)}"
-            )
+            opening = f"makes {grid.lattice.n} particles;"
+            middle = f"at a support of {self.ratio(preflight.tank):g} spacings the neighbours of about {most}"
+            yield f"{opening} {middle} at most can be counted in 32 bits; {self.fitting_spacing(preflight)}"
         if grid.count_numbers > MAX_COUNT:
             many = f"makes a grid of {grid.cell_count} cells, too many to be counted in 32 bits with their parts"
             yield f"{many}: the basin is too large for so small a spacing"
@@ -175,10 +174,8 @@ class SphConfig(WaterConfig):
         """Warn of too few particles (kernel radius: `support` [m]) for the depth or waves, and of too steep waves."""
         spacing, depth = lattice.spacing, lattice.basin.depth
         if support >= depth > 0.0:
-            yield (
-                f"the water is {depth / spacing:.3g} particles deep, no more than a support radius of "
-                f"{support / spacing:.3g}: too few to move like water; take a smaller spacing"
-            )
+            begin = f"the water is {depth / spacing:.3g} particles deep, no more than a support radius of"
+            yield f"{begin} {support / spacing:.3g}: too few to move like water; take a smaller spacing"
         for train in wave_trains(lattice):
             length, height = train.sea.wavelength, train.height
             waves_of = f"waves {length:.3g} m long and {height:.3g} m high"
@@ -187,10 +184,8 @@ class SphConfig(WaterConfig):
                 yield f"{few}: too few, by which period and height are off; 20 need a spacing of {length / 20.0:.3g} m"
             short = train.variance_below(MIN_WAVE_SPACINGS * spacing)
             if short > NOTABLE_LOST_VARIANCE:
-                yield (
-                    f"{waves_of}: {short:.2g} of their variance is in waves of fewer than {MIN_WAVE_SPACINGS:g} "
-                    "particles, which water hardly carries; take a smaller spacing or a lower cut_off"
-                )
+                begin = f"{waves_of}: {short:.2g} of their variance is in waves of fewer than {MIN_WAVE_SPACINGS:g}"
+                yield f"{begin} particles, which water hardly carries; take a smaller spacing or a lower cut_off"
             steepness, most = pi * height / length, MAX_SEA_STEEPNESS if train.sea.random else MAX_STEEPNESS
             if steepness > most:
                 steep = f"{waves_of} are steep (k a = {steepness:.2g})"
@@ -302,11 +297,9 @@ class SphConfig(WaterConfig):
             if added > NOTABLE_VISCOSITY * own:
                 a_period, a_wavelength = train.height_loss(own + added)
                 way = "" if train.standing else f", {a_wavelength:.2g} over a wavelength travelled"
-                yield (
-                    f"waves {length:.3g} m long and {train.height:.3g} m high: {self.kind} adds {added:.2g} m2/s "
-                    f"to the viscosity of {own:g} m2/s, as measured; they lose {a_period:.2g} of their height in a "
-                    f"period{way}"
-                )
+                begin = f"waves {length:.3g} m long and {train.height:.3g} m high: {self.kind} adds {added:.2g} m2/s"
+                middle = f"to the viscosity of {own:g} m2/s, as measured; they lose {a_period:.2g} of their height in a"
+                yield f"{begin} {middle} period{way}"
 
 
 def scheme_ledger(

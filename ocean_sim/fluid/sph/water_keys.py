@@ -105,10 +105,8 @@ class WaterConfig(FluidConfig):
         far = float(np.abs([*tank.lower, *tank.upper]).max())
         step = far * float(np.finfo(np.float32).eps)
         if spacing is not None and preflight.word == 4 and step > MAX_ROUNDING_SPACINGS * spacing:
-            yield (
-                f"single precision places particles {far:g} m from the origin to {step:.2g} m, "
-                f"{step / spacing:.2g} spacings; take runtime.precision: f64, or a basin around its water"
-            )
+            begin = f"single precision places particles {far:g} m from the origin to {step:.2g} m,"
+            yield f"{begin} {step / spacing:.2g} spacings; take runtime.precision: f64, or a basin around its water"
         if tank.config.wavemaker is not None:
             yield from tank.config.wavemaker.warnings(tank, preflight.duration)
         if tank.config.motion is not None:
@@ -123,10 +121,9 @@ class WaterConfig(FluidConfig):
             yield from gate.warnings(preflight.duration)
             fastest, speed = gate.fastest(preflight.duration), self.speed(tank)
             if fastest > speed and self.sound_speed(tank) > 0.0:
-                yield (
-                    f"obstacles.{k} moves at up to {fastest:.3g} m/s, faster than the reference speed of {speed:.3g} "
-                    "m/s: water that it runs into is compressed more than fluid.compression says"
-                )
+                opening = f"obstacles.{k} moves at up to {fastest:.3g} m/s,"
+                middle = f"faster than the reference speed of {speed:.3g} m/s:"
+                yield f"{opening} {middle} water that it runs into is compressed more than fluid.compression says"
 
     def losses(self, lattice: Lattice, sea: Components) -> np.ndarray | None:
         """Complex decay rate (n,) [1/s] of each wave; imaginary part: minus its loss of frequency; None if unknown."""

@@ -244,9 +244,8 @@ def eye_before(
     right, up, forward = axes
     x, y, away = corners @ right, corners @ up, corners @ forward
     # Planes through the eye bound the picture: each corner limits how far forward the eye may stand.
-    bounds = [
-        ((c - t * away).max(), (c + t * away).min(), t) for c, t in zip((x - aside * away, y), tangents, strict=True)
-    ]
+    pairs = zip((x - aside * away, y), tangents, strict=True)
+    bounds = [((c - t * away).max(), (c + t * away).min(), t) for c, t in pairs]
     ahead = min((high - low) / (2.0 * t) for low, high, t in bounds)
     eye_x, eye_y = (0.5 * (low + high) for low, high, _ in bounds)
     return (eye_x + aside * ahead) * right + eye_y * up + ahead * forward

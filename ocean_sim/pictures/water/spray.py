@@ -110,9 +110,8 @@ class Spray:
         fast = source.speed[which] * np.minimum(np.sqrt(-np.log(share[:, 2])), MAX_SPEED_FACTOR)
         velocity = source.flow[which] + (fast / np.linalg.norm(towards, axis=1))[:, None] * towards
         since = 0.5 * (1.0 + a[:, 1]) * step
-        place = (
-            source.place[which] + source.extent * a * self.axes * [1.0, 0.0, 1.0] - since[:, None] * source.flow[which]
-        )
+        place = source.place[which] + source.extent * a * self.axes * [1.0, 0.0, 1.0]
+        place = place - since[:, None] * source.flow[which]
         spread = radius * (PARCEL_SPACING * np.sqrt(each) if each > 1.0 else 1.0)
         return fly_parcels(np.column_stack([place, velocity, radius, np.full(len(key), each), spread]), since, wind)
 

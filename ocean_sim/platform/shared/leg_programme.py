@@ -119,9 +119,8 @@ def leg_track(hexapod: Hexapod, points: np.ndarray, guess: np.ndarray) -> LegTra
     drift = np.gradient(by_length, KNOT_INTERVAL, axis=0)
     velocity = (by_length @ speeds[:, :, None])[:, :, 0]
     acceleration = (by_length @ accelerations[:, :, None] + drift @ speeds[:, :, None])[:, :, 0]
-    return LegTrack(
-        np.hstack([pose, velocity, acceleration]), [by_length, drift, np.gradient(drift, KNOT_INTERVAL, axis=0)]
-    )
+    rates = [by_length, drift, np.gradient(drift, KNOT_INTERVAL, axis=0)]
+    return LegTrack(np.hstack([pose, velocity, acceleration]), rates)
 
 
 def felt_by_points(track: LegTrack) -> list[Any]:

@@ -7,7 +7,7 @@ A kind adds a force by naming it in `parts` and extending `forces`.
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from functools import cached_property, lru_cache
-from math import cos, isinf, pi, radians, sin, sqrt
+from math import cos, inf, isinf, pi, radians, sin, sqrt
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple
 
 import numpy as np
@@ -163,13 +163,13 @@ class FloatingConfig(VesselConfig):
         return self.body_at_start(still.matter, *afloat_pose(still))
 
     @property
-    def drift_law(self) -> str:
+    def drift_law(self) -> tuple[str, float, float]:
         if self.drift is None or isinstance(self.drift, str):
-            return self.drift or ""
+            return self.drift or "", 0.0, inf
         from ocean_sim.ship.forces.drift import read_table
 
-        longest, shortest = 2.0 * pi / read_table(self.drift.table).omega[[0, -1]]
-        return f"a table of waves of {shortest:.3g} to {longest:.3g} s"
+        longest, shortest = (2.0 * pi / read_table(self.drift.table).omega[[0, -1]]).tolist()
+        return f"a table of waves of {shortest:.3g} to {longest:.3g} s", shortest, longest
 
     def drift_force(self, still: Hydrostatics, sea: ClosedForm, body: RigidBody) -> "Drift | None":
         """Mean and slow second-order force of the waves of `sea` on this ship, with hydrostatics `still` and the first
@@ -346,12 +346,9 @@ class FloatingConfig(VesselConfig):
             yield "controls: the throttle that they ask for has no effect: she has no propeller"
         if self.rudder is None and crew.rudder.any():
             yield "controls: the rudder that they ask for has no effect: she has no rudder"
-        if (
-            self.helm is not None
-            and self.propeller is not None
-            and self.propeller.thrust_at(1.0, self.helm.speed) <= 0.0
-        ):
-            yield f"helm: asks for {self.helm.speed:g} m/s, at which her propeller gives no thrust"
+        helm, screw = self.helm, self.propeller
+        if helm is not None and screw is not None and screw.thrust_at(1.0, helm.speed) <= 0.0:
+            yield f"helm: asks for {helm.speed:g} m/s, at which her propeller gives no thrust"
         logged = [part.model_dump()["point"] for key, part in preflight.parts.items() if key == "motion"]
         if unasked := self.points.keys() - {"helm", *logged, *(mooring.fairlead for mooring in self.moorings)}:
             yield f"points: neither a mooring nor motion.point asks for {' or '.join(sorted(unasked))}"

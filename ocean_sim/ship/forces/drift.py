@@ -20,12 +20,12 @@ from ocean_sim.files import csv_file
 from ocean_sim.files.input_file import Checked, Rule
 from ocean_sim.fluid import ClosedForm
 from ocean_sim.ship.body.rigid_body import RigidBody
-from ocean_sim.ship.forces.radiation import HEADING_STEP, MIRROR_SIGNS, at_headings
+from ocean_sim.ship.forces.radiation import HEADING_STEP, MIRROR_SIGNS, at_headings, heading_gap
 from ocean_sim.ship.naval.hydrostatics import Hydrostatics
 
 TABLE_COLUMNS = ("omega_rad_s", "heading_deg", "surge_N_m2", "sway_N_m2", "yaw_Nm_m2")
 SIGNS = MIRROR_SIGNS[[Motions._fields.index(motion) for motion in ("surge", "sway", "yaw")]]
-GRID_RULE = Rule("a table of drift has one row for each frequency, above 0, with each heading, 0 to 360 degrees")
+GRID_RULE = Rule("a table of drift has one row for each frequency, above 0, with each heading, 0 to 180 or 360 degrees")
 CHECKS = (Checked("Drift forces, `ship.drift.table`", (GRID_RULE,)),)
 SLOW_SHARE = 0.15  # of the waves' mean frequency, up to which a motion is a slow one
 Law = Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray]
@@ -65,6 +65,8 @@ def read_table(file: str) -> DriftTable:
     if (count != 1).any():
         h, n = np.argwhere(count != 1)[0]
         raise GRID_RULE.broken(file, f"{omegas[n]:g} rad/s and {headings[h]:g} degrees stand in {count[h, n]} rows")
+    if only := heading_gap(headings):
+        raise GRID_RULE.broken(file, f"its headings are {only}{'' if '?' in only else ' alone'}")
     whole = np.zeros((3, *count.shape))
     whole[:, j, i] = force
     return DriftTable(omegas, headings, whole)
@@ -112,9 +114,8 @@ class Drift:
     def follow(self, body: RigidBody, dt: float) -> None:
         """Advance the slow position, that of the ship's `body` with her wave motion filtered out, by a step dt [s]."""
         r, (place, speed, change) = self.rate, self.slow
-        change = change + dt * (
-            r**3 * (body.position - place) + 2.0 * r**2 * (body.velocity - speed) - 2.0 * r * change
-        )
+        jerk = r**3 * (body.position - place) + 2.0 * r**2 * (body.velocity - speed) - 2.0 * r * change
+        change = change + dt * jerk
         speed = speed + dt * change
         self.slow = np.array([place + dt * speed, speed, change])
 

@@ -60,6 +60,7 @@ POINTS_A_PERIOD = 20  # points of K in a period of the highest frequency, and of
 TAIL_FREQUENCIES = 3.0  # [highest frequencies] to which damping is carried on
 ERROR_TOLERANCE = 0.05  # share of the largest damping, or of added mass, that a matrix may lie below zero by error
 FORGOTTEN_SHARE = 0.003  # of the largest K, below which it is forgotten
+HEADING_TOLERANCE = 0.5  # [deg] of a table's first and last heading
 HEADING_STEP = 0.02  # [rad] of a turn, after which forces are looked up anew
 
 
@@ -231,12 +232,11 @@ def read_capytaine(file: str) -> BemTable:
             found = None
             if "diffraction_force" in data:
                 parts = in_axis_order(data, "diffraction_force", ("complex", DOF_NAMES[0], "wave_direction", "omega"))
-                headings = np.degrees(read_data_set(data, "wave_direction"))
-                inwards = np.argsort(headings)
+                headings, inwards = np.unique(np.degrees(read_data_set(data, "wave_direction")) % 360.0, True)
                 force = np.zeros((6, len(headings), len(omega)), dtype=complex)
                 numbers = [Motions._fields.index(motion) for motion in names]
                 force[numbers] = (parts[0] + 1j * parts[1])[rows][:, inwards][:, :, order]
-                found = Scattered(headings[inwards], force)
+                found = Scattered(headings, force)
             speed = float(np.abs(read_data_set(data, "forward_speed")).max()) if "forward_speed" in data else 0.0
             depth = float(read_data_set(data, "water_depth").item()) if "water_depth" in data else None
             axis = float(read_data_set(data, "rotation_center")[2]) if "rotation_center" in data else None
@@ -322,10 +322,23 @@ class Scattering:
         return found * turned
 
 
+def heading_gap(headings: np.ndarray) -> str:
+    """Text on headings (h,) [deg] of a table that reach neither from 0 to 180 nor all round; empty if they do."""
+    steps = np.diff(headings, append=headings[0] + 360.0)
+    half = max(abs(headings[0]), abs(headings[-1] - 180.0)) < HEADING_TOLERANCE
+    if half or (headings[-1] > 180.0 and steps[-1] <= steps[:-1].max() + HEADING_TOLERANCE):
+        return ""
+    radians = ": are they radians?" if 1.0 < headings[-1] < 2.0 * pi + 0.1 else ""
+    return f"{f'{headings[0]:g} to ' if len(headings) > 1 else ''}{headings[-1]:g} degrees{radians}"
+
+
 def at_headings(angle: np.ndarray, headings: np.ndarray, values: np.ndarray) -> np.ndarray:
     """(n,) values at `angle` (n,) [deg], each interpolated linearly in its column of `values` (h, n), whose rows are at
-    `headings` (h,); constant beyond."""
+    `headings` (h,), all round if one is above 180; else constant beyond."""
     each = np.arange(len(angle))
+    if headings[-1] > 180.0:
+        headings, values = np.append(headings, headings[0] + 360.0), np.append(values, values[:1], axis=0)
+        angle = np.where(angle < headings[0], angle + 360.0, angle)
     if len(headings) == 1:
         return values[0, each]
     at = np.clip(angle, headings[0], headings[-1])

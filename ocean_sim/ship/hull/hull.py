@@ -84,10 +84,8 @@ def hull_of(name: str, up: AxisName | None = None, bow: AxisName | None = None, 
         return Hull.model_validate(preset("hull", name))
     if Path(name).suffix.lower() in MESH_ENDINGS:
         return Hull(shape=MeshFile(kind="mesh", file=name, up=up, bow=bow, scale=scale))
-    raise ValueError(
-        f"there is no hull {name!r}, and it is not a {', '.join(MESH_ENDINGS)} file; "
-        f"there are {', '.join(named('hull'))}"
-    )
+    begin = f"there is no hull {name!r}, and it is not a {', '.join(MESH_ENDINGS)} file;"
+    raise ValueError(f"{begin} there are {', '.join(named('hull'))}")
 
 
 def error_sentence(error: ValidationError | ValueError) -> str:

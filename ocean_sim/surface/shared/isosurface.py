@@ -99,10 +99,9 @@ class Rows:
         """Store from now on only rows of nodes along x that are marked in the field `near` as near water; raises
         Diverged if these have more than `most_nodes` nodes."""
         if (wanted := self.renew_rows()) > self.most:
-            raise Diverged(
-                f"{wanted * self.length} nodes of the surface lie near water, more than surface.most_nodes "
-                f"{self.most_nodes}; try a larger surface.spacing, or see whether the water has come apart"
-            )
+            begin = f"{wanted * self.length} nodes of the surface lie near water,"
+            opening = f"more than surface.most_nodes {self.most_nodes}; try a larger surface.spacing,"
+            raise Diverged(f"{begin} {opening} or see whether the water has come apart")
 
     @ti.kernel
     def renew_rows(self) -> int:

@@ -59,10 +59,8 @@ def slowdown_warning(scene: str, times: float) -> str | None:
     """Warning if a step takes `times` as long as before, and `times` exceeds STATED_SLOWDOWN; else None."""
     if times <= STATED_SLOWDOWN:
         return None
-    return (
-        f"{scene}: {100.0 * (times - 1.0):.0f} % slower in processor time than before on this machine, by the "
-        f"median of at most {MAX_COMPARED} measurements in {bench_file()}"
-    )
+    begin = f"{scene}: {100.0 * (times - 1.0):.0f} % slower in processor time than before on this machine, by the"
+    return f"{begin} median of at most {MAX_COMPARED} measurements in {bench_file()}"
 
 
 def rate_conditions(config: SceneConfig) -> str:

@@ -49,6 +49,8 @@ Sets = Annotated[
 Out = Annotated[Path | None, typer.Option(help="The run folder; by default runs/<scene>.")]
 Quiet = Annotated[bool, typer.Option("--quiet", help="Print only the run folder, and errors.")]
 
+MAX_NUMBER = 1e6  # in an option
+
 
 def number_list(option: str, text: str | None, like: str = "") -> list[float] | None:
     """Numbers in the text of an option, as many as in the example `like`; None without a text; raises Refused."""
@@ -56,6 +58,8 @@ def number_list(option: str, text: str | None, like: str = "") -> list[float] | 
         found = None if text is None else [float(word) for word in text.split(",")]
     except ValueError:
         raise Refused(f"{option} {text}: these are not numbers with ',' between them") from None
+    if not all(abs(value) <= MAX_NUMBER for value in found or ()):
+        raise Refused(f"{option}: expected finite numbers of at most {MAX_NUMBER:g}, got {text}")
     if found is not None and like and len(found) != len(like.split(",")):
         raise Refused(f"{option}: {text!r} is not like {like}")
     return found

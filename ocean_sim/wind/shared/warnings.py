@@ -15,10 +15,8 @@ def stylised(name: str, acceleration: float, preflight: SceneFacts) -> str:
     """Sentence that compares the acceleration [m/s2] of force field `name` with a real wind's stress on a layer."""
     thick = preflight.spacing or 1.0  # [m] one layer of particles; 1 where the water has none
     real = stress(U10) / (preflight.fluid.rest_density * thick)
-    return (
-        f"{name}: a stylised force field, not a physical stress: {acceleration:.3g} m/s2 is "
-        f"{figures(acceleration / real, 2)} times what a wind of {U10:g} m/s does to a layer of {thick:g} m"
-    )
+    begin = f"{name}: a stylised force field, not a physical stress: {acceleration:.3g} m/s2 is"
+    return f"{begin} {figures(acceleration / real, 2)} times what a wind of {U10:g} m/s does to a layer of {thick:g} m"
 
 
 def velocity_change(name: str, acceleration: Vector3, passing_time: float, preflight: SceneFacts) -> Iterator[str]:

@@ -258,18 +258,10 @@ FieldsBuilder.finalize = _record_allocation(FieldsBuilder.finalize)
 
 
 NO_MEMORY_MESSAGE = "there is no memory for the fields of this simulation; try a larger resolution, or fewer particles"
-CLOSED_MESSAGE = (
-    "this field belongs to a simulation that is closed, and its memory is freed; read it before the simulation is "
-    "closed, inside its `with` block"
-)
-RESTARTED_MESSAGE = (
-    "the fields of this simulation are gone: a later one restarted Taichi, because its runtime differs or about a "
-    "hundred were open; close each before starting others, or run each in a process of its own"
-)
-MEMORY_SHORT_MESSAGE = (
-    "memory ran out for the fields of a simulation, after which Taichi builds no other while one is open; close those "
-    "that are open first"
-)
+CLOSED_MESSAGE = "this field belongs to a simulation that is closed; read it before, inside its `with` block"
+RESTARTED_CAUSE = "a later one restarted Taichi, because its runtime differs or about a hundred were open"
+RESTARTED_MESSAGE = f"the fields of this simulation are gone: {RESTARTED_CAUSE}; close each before starting others"
+MEMORY_SHORT_MESSAGE = "memory ran out for a simulation: Taichi builds no other while one is open; close those that are open"
 OTHER_THREAD_MESSAGE = (
     "Taichi runs in another thread of this process, where a simulation is open, and builds others only there; close "
     "that one first, build all in one thread, or run each in a process of its own"

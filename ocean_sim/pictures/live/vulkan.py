@@ -50,7 +50,5 @@ def require(show: bool) -> None:
     if not draws(show=False):
         raise VulkanMissing
     if show and not draws(show=True):
-        raise Lacking(
-            "there is no screen to open a window on; `ocean-sim preview SCENE --frames 60 --out DIR` makes the same "
-            "pictures without one"
-        )
+        cure = "`ocean-sim preview SCENE --frames 60 --out DIR` makes the same pictures without one"
+        raise Lacking(f"there is no screen to open a window on; {cure}")

@@ -261,7 +261,7 @@ NO_MEMORY_MESSAGE = "there is no memory for the fields of this simulation; try a
 CLOSED_MESSAGE = "this field belongs to a simulation that is closed; read it before, inside its `with` block"
 RESTARTED_CAUSE = "a later one restarted Taichi, because its runtime differs or about a hundred were open"
 RESTARTED_MESSAGE = f"the fields of this simulation are gone: {RESTARTED_CAUSE}; close each before starting others"
-MEMORY_SHORT_MESSAGE = "memory ran out for a simulation: Taichi builds no other while one is open; close those that are open"
+MEMORY_SHORT_MESSAGE = "memory ran out for a simulation, and Taichi builds no other now; close those that are open"
 OTHER_THREAD_MESSAGE = (
     "Taichi runs in another thread of this process, where a simulation is open, and builds others only there; close "
     "that one first, build all in one thread, or run each in a process of its own"

@@ -126,8 +126,8 @@ def marked_codec(data: bytes) -> str | None:
 def read_text(path: str | Path, most: int = MAX_FILE_BYTES) -> str:
     """Text of a file of at most `most` bytes, decoded by its byte order mark, else as UTF-8; raises Unreadable."""
     data = read_bytes(path, most)
-    for what in (what for first, what in FIRST_BYTES.items() if data.startswith(first)):
-        raise Unreadable(path, f"this is no text but {what}")
+    if kind := next((kind for first, kind in FIRST_BYTES.items() if data.startswith(first)), None):
+        raise Unreadable(path, f"this is no text but {kind}")
     codec = marked_codec(data) or "utf-8"
     try:
         return data.decode(codec).removeprefix(BYTE_ORDER_MARK)

@@ -24,8 +24,9 @@ REQUIRED_COLUMNS = (TIME_COLUMN, *POSE_COLUMNS, *RATE_COLUMNS, *FORCE_COLUMNS)
 UNIT_PATTERN = re.compile(r"_(rad_s|m_s2|rad|m|s)$")
 COLUMN_KEYS = {UNIT_PATTERN.sub("", name).removeprefix("specific_"): name for name in REQUIRED_COLUMNS}  # of --columns
 KEY_UNITS = {key: UNIT_PATTERN.findall(name)[0] for key, name in COLUMN_KEYS.items()}  # s, m, rad, rad_s or m_s2
-MOTIONS = ("surge", "sway", "heave", "roll", "pitch", "yaw")  # each a key of --columns
-OTHER_NAMES = {"time": r"time|utc|stamp(?!f)|epoch|^t\b", **dict(zip(MOTIONS, MOTIONS)), "yaw": "yaw|hdg|heading"}
+MOTION_KEYS = ("surge", "sway", "heave", "roll", "pitch", "yaw")  # each a key of --columns
+TIME_NAMES, YAW_NAMES = r"time|utc|stamp(?!f)|epoch|^t\b", "yaw|hdg|heading"
+OTHER_NAMES = {"time": TIME_NAMES, **{key: key for key in MOTION_KEYS}, "yaw": YAW_NAMES}
 OTHER_QUANTITY = re.compile(r"rate|vel|acc|speed", re.IGNORECASE)
 UNITS_TABLE = csv_file.read_records((Path(__file__).parent / "units.csv").read_text(encoding="utf-8"))
 UNITS = {row["word"]: (row["unit"], float(row["factor"])) for row in UNITS_TABLE}
@@ -159,15 +160,15 @@ def suggested_command(table: Table) -> str:
     rest = [name for name in units if name not in alike.values()]
     timed = (name for name in rest if name in fits["time"] and (units[name] or like_times(table, name)))
     time = alike["time"] = alike["time"] or next(timed, "...")
-    free = [key for key in MOTIONS if not alike[key]]
+    free = [key for key in MOTION_KEYS if not alike[key]]
     rest = [name for name in rest if name != time and np.isfinite(table[name]).any()]
     left = [name for name in rest if any(name in fits[key] for key in free)]
-    if len(free) == len(MOTIONS) and not left:
+    if len(free) == len(MOTION_KEYS) and not left:
         return f"none of its columns is one of {', '.join(free)}, in its unit"
     if time in table and np.isnan(csv_file.numeric_column(TIME_COLUMN, cells := table.column(time))[0]):
         units_row = "; write units into the names, as Heave (m)" * (cells[0].strip("()[]") in UNITS)
         return f"its {time} begins with {cells[0]!r}, no number or date like 2026-05-17T09:12:00Z (ISO 8601){units_row}"
-    silent = [name for name in map(alike.get, MOTIONS[3:]) if name and not units[name]]
+    silent = [name for name in map(alike.get, MOTION_KEYS[3:]) if name and not units[name]]
     degrees = any(re.search("deg|\xb0", each.lower()) or (np.abs(table[each]) > 2.0 * np.pi).any() for each in silent)
     columns = ",".join(f"{key}={name}" for key, name in alike.items() if name)
     command = shlex.join(["ocean-sim", "platform", display_path(table.path), "--columns", columns])

@@ -1,5 +1,5 @@
-"""Figure 4-4: a ship cut in cubes, as the program cuts it: which are under water, which the surface cuts, and what they
-carry: CSV and PNG.
+"""Figure 4-4: a ship cut in cubes, here longer than high, as the program cuts it: which are under water, which the
+surface cuts, and what they carry: CSV and PNG.
 
 python figures/fig4_4.py [--fast] [--out DIR]
 """

@@ -146,7 +146,7 @@ def draw_figure(found: list[Stage], path: Path) -> None:
             axes.text((begin + end) / 2, level + 0.04, caption, ha="center", va="bottom", fontsize=8.5, color=INK)
     ship = place["ship"]
     box(axes, ship, 1.0, wide, 1.55, "motion log", ["pose, rates, specific force", "at a fixed rate"], GREEN)
-    arrow(axes, (ship + wide / 2, 3.9), (ship + wide / 2, 2.56), "")
+    arrow(axes, (ship + 0.85 * wide, 4.5), (ship + 0.85 * wide, 2.56), "")
     washouts = [name.removeprefix("_washout_") for name in WASHOUT_KINDS]
     box(axes, place["surface"], 1.0, wide, 1.55, "washout", [*washouts, "forces and rates to poses"], PURPLE)
     box(axes, place["fluid"], 1.0, wide, 1.55, "hexapod", [*kinds("platform"), "limits; poses to legs"], ORANGE)

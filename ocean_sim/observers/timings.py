@@ -1,7 +1,7 @@
 """Wall time of each stage of a step: the only file of a run with clock values."""
 
 from collections import defaultdict
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from time import perf_counter
@@ -50,7 +50,8 @@ class Timings(Observer, of=Config):
         self.start: Mark | None = None  # when the first step was over
         self.last: Mark | None = None
         self.csv: CsvFile | None = None
-        self.sync = synchronization(simulation.backend.arch)
+        # On a processor each launch waits by itself
+        self.sync = (lambda: None) if simulation.backend.arch in ("cpu", "x64", "arm64") else ti.sync
         simulation.stage = self.stage  # type: ignore[method-assign, assignment]
 
     @contextmanager
@@ -107,8 +108,3 @@ class Timings(Observer, of=Config):
         self.write_row()
         if self.csv is not None:
             self.csv.close()
-
-
-def synchronization(arch: str) -> Callable[[], None]:
-    """Function that waits for launched kernels; on a processor (`arch` as cpu) it does nothing: each launch waits."""
-    return (lambda: None) if arch in ("cpu", "x64", "arm64") else ti.sync

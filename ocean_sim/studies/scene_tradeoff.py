@@ -156,11 +156,8 @@ def errors_against(result: Result, reference: Result) -> dict[str, float | None]
     legs = []
     motions = [f"{name}_{unit}" for name, unit in zip(Motions._fields, scene_run.MOTION_UNITS)]
     afloat = scene_run.motion_tables(reference)
-    for table, columns in (
-        ("gauges", None),
-        *((table, motions) for table in afloat),
-        ("platform", [f"leg{k}_m" for k in range(1, 7)]),
-    ):
+    tables = {"gauges": None, **dict.fromkeys(afloat, motions), "platform": [f"leg{k}_m" for k in range(1, 7)]}
+    for table, columns in tables.items():
         own, other = scene_run.unwrapped_table(result, table), scene_run.unwrapped_table(reference, table)
         for name in columns or [key for key in other if key.endswith("_m")]:
             if not (len(own.get(name, ())) and len(other.get(name, ()))):

@@ -80,10 +80,11 @@ def live_files(title: str) -> dict[str, Any]:
     from ocean_sim.verbs.new import schema_file
     from ocean_sim.viewer.still import page_document, sky_packet
 
+    schema = schema_file()  # now: while Taichi compiles, no other thread may parse (seen in Python 3.11)
     return {
         "/": (HTML_TYPE, lambda: page_document(f"{title} · Ocean Sim", {"mode": "live"})),
         "/sky": (BYTES_TYPE, sky_packet),
-        "/schema": (JSON_TYPE, lambda: schema_file().read_bytes()),
+        "/schema": (JSON_TYPE, schema.read_bytes),
         **{f"/{path.name}": ("image/jpeg", path.read_bytes) for path in (library("figures") / "gallery").glob("*.jpg")},
     }
 

@@ -22,12 +22,13 @@ from ocean_sim.pictures.live.preview_scene import SPEED_COLOURS
 from ocean_sim.pictures.ships.ship_model import ShipModel, kept_models
 from ocean_sim.pictures.stage import sky
 from ocean_sim.pictures.stage.obstacles import NO_BOXES
-from ocean_sim.pictures.water import sea_state, water_glsl, water_shading, waterline
+from ocean_sim.pictures.water import sea_state, tank_walls, water_glsl, water_shading, waterline
 from ocean_sim.viewer.protocol import PROTOCOL_VERSION, box_positions, packet
 from ocean_sim.waves import Components
 
 SCRIPT_NAMES = ("math", "packets", "draw", "world", "cameras", "plots", "editor", "xr", "app")
-GAP_CELLS, GAP_REACH = 64, 3.0  # side of the map of distances to a hull at rest [cells], margin around it [m]
+# Side of the map of distances to a hull at rest [cells]; margin around it [m], and at most so many of her lengths
+GAP_CELLS, GAP_REACH, GAP_LENGTHS = 64, 3.0, 0.5
 MAX_FAR_WAVES = 40  # plane waves of the sea around the basin
 SYNTHETIC_WAVES = 28  # of them, if only the water of the basin is known
 SKY_SIDE = 512  # [pixels]
@@ -88,6 +89,8 @@ class StaticScene:
             corners, normals = self.ground.body_mesh(self.spacing)
             arrays["ground"] = corners.reshape(-1, 3).astype(np.float32)
             arrays["ground_normals"] = np.repeat(normals, 3, axis=0).astype(np.float32)
+        floor, apart = tank_walls.ground_sheet(self.lower, self.upper)
+        arrays["floor"] = floor.vertices[floor.triangles].reshape(-1, 3).astype(np.float32)
         steps = [spacing_of(self.x), spacing_of(self.z)]
         sea, uniforms = self.sea_header()
         platform, wind, basin = (self.scene.get(name) or {} for name in ("platform", "wind", "basin"))
@@ -108,10 +111,12 @@ class StaticScene:
             "scalars": list(self.scalars),
             "sea": sea,
             "tank": self.tank,
+            "floorLines": apart,
             "platform": platform.get("geometry") if isinstance(platform.get("geometry"), dict) else None,
             "waves": {key: (train | (train.get("spectrum") or {})).get(key) for key in WAVE_KEYS},
             "windAngle": sea_state.scene_wind_heading(wind),
             "windSpeed": sea_state.stated_wind_speed(self.scene) or sea_state.gust_speed(self.scene),
+            "windStylised": any(np.any(each.get("acceleration", 0.0)) for each in wind.get("volumes") or [wind]),
             "fluid": (self.scene.get("fluid") or {}).get("kind", ""),
             "speeds": json_numbers(SPEED_COLOURS),
             "light": {name: json_numbers(getattr(sky, name)) for name in LIGHT_NAMES},
@@ -120,6 +125,7 @@ class StaticScene:
                 "functions": water_glsl.WATER_FUNCTIONS,
                 "water": water_glsl.water_program(len(ships)),
                 "sky": water_glsl.SKY_PROGRAM,
+                "floor": water_glsl.shader("tank_ground", tank_walls, sky),
             },
             "uniforms": uniforms,
         }
@@ -140,7 +146,8 @@ class StaticScene:
         line = waterline.waterline_segments(hull.vertices, hull.triangles, hull.over_water(hull.vertices))
         config = (self.scene.get("ships") or {}).get(name) or self.scene.get("ship") or {}
         if len(line) > 2:
-            near, far = line.min(axis=(0, 1)) - GAP_REACH, line.max(axis=(0, 1)) + GAP_REACH
+            reach = min(GAP_REACH, GAP_LENGTHS * float(hull.length))
+            near, far = line.min(axis=(0, 1)) - reach, line.max(axis=(0, 1)) + reach
             x, z = (middles_of(low, high, GAP_CELLS) for low, high in zip(near, far))
             gap = waterline.distance_to_line(np.stack(np.meshgrid(x, z), axis=-1).reshape(-1, 2), line)
             arrays[f"gap{k}"] = gap.astype(np.float32).reshape(GAP_CELLS, GAP_CELLS)

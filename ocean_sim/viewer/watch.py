@@ -23,7 +23,8 @@ if TYPE_CHECKING:
     from ocean_sim.fluid import Particles
     from ocean_sim.viewer.server import Server
 
-MAX_FRAME_RATE = 20.0  # [1/s] of wall time
+# [1/s] of wall time; while no page is open, for the past of one that opens late
+MAX_FRAME_RATE, UNSEEN_FRAME_RATE = 20.0, 4.0
 MAX_CELLS = 128  # heights along a side
 MAX_PARTICLES = 60_000  # that are shown: of more, every second, third, ...
 RARE_FRAME_INTERVAL = 4  # frames between two that draw the wind and measure the largest speed
@@ -90,7 +91,8 @@ class Watch(Observer, TakesCommands):
         now = perf_counter()
         if self.setting.models and not (self.trail and simulation.time < self.trail[-1][0] + TRAIL_INTERVAL):
             self.trail.append(np.array([simulation.time, *self.poses().ravel()], np.float32))
-        if self.server.watchers and (self.server.fresh or now - self.last >= 1.0 / MAX_FRAME_RATE):
+        rate = MAX_FRAME_RATE if self.server.watchers else UNSEEN_FRAME_RATE
+        if (self.server.watchers or self.seq) and (self.server.fresh or now - self.last >= 1.0 / rate):
             self.show(now)
 
     def show(self, now: float) -> None:

@@ -129,7 +129,8 @@ def read_shot(frame: Path, grid: dict[str, np.ndarray], wakes: RunWakes) -> Expo
             at = wakes.relative_positions(points[:, [0, 2]], data.get("origin", np.zeros(2)))
             if raised.any():
                 points = points + np.outer(read_cells(raised, at), [0.0, 1.0, 0.0])
-                fields["Normals"] = surface_normals(points, faces)
+                areas = Mesh(points, faces, points).vertex_areas  # more than none, as no triangle is upright
+                fields["Normals"] = (areas / np.linalg.norm(areas, axis=1, keepdims=True)).astype(np.float32)
             fields |= {
                 name: read_cells(data[key], at).astype(np.float32)
                 for name, key in (("foam", "foam"), ("velocity", "surface_velocity"))
@@ -141,7 +142,7 @@ def read_shot(frame: Path, grid: dict[str, np.ndarray], wakes: RunWakes) -> Expo
         dx, dz = data.get("origin", np.zeros(2))
         level = sheet(grid["x"] + dx, grid["z"] + dz, data["elevation"])
         points, faces = level.vertices.astype(np.float32), level.triangles
-        fields["Normals"] = surface_normals(points, faces)
+        fields["Normals"] = level.normals.astype(np.float32)
         if "foam" in data:
             fields["foam"] = cell_means(data["foam"], data["elevation"].shape).ravel().astype(np.float32)
         if "surface_velocity" in data:
@@ -180,12 +181,6 @@ def values_beside(points: np.ndarray, particles: np.ndarray, values: np.ndarray)
     away, who = away.reshape(len(points), -1), who.reshape(len(points), -1)
     weight = 1.0 / np.maximum(away, 1e-6) ** 2
     return np.einsum("nk,nkc->nc", weight / weight.sum(axis=1, keepdims=True), values[who])
-
-
-def surface_normals(points: np.ndarray, faces: np.ndarray) -> np.ndarray:
-    """Unit normals (n, 3) at `points` of a mesh: area-weighted means of triangles `faces` (m, 3) that share each."""
-    areas = Mesh(points, faces, points).vertex_areas
-    return (areas / np.maximum(np.linalg.norm(areas, axis=1, keepdims=True), 1e-12)).astype(np.float32)
 
 
 def ship_models(grid: dict[str, np.ndarray]) -> dict[str, ShipModel]:

@@ -9,7 +9,7 @@ from ocean_sim.pictures.stage import sky
 from ocean_sim.pictures.stage.plotter import Stage
 from ocean_sim.pictures.water import water_glsl
 from ocean_sim.pictures.water.water_surface import round_up
-from ocean_sim.surface import sheet
+from ocean_sim.surface import Mesh, sheet
 
 EDGE_COLOUR = "#eef3f6"
 ZONE_TINT = {"color": "#e8b23c", "opacity": 0.35}  # of bed and walls of an absorbing zone
@@ -39,20 +39,27 @@ def add_shaded(stage: Stage, mesh: Any, program: str, low: np.ndarray, up: np.nd
     return shaded.actor
 
 
-def add_ground(stage: Stage, low: np.ndarray, up: np.ndarray) -> None:
-    """Add the soft shadow of a block from `low` to `up` [m], and lines round it, a round number of metres apart."""
+def ground_sheet(low: np.ndarray, up: np.ndarray) -> tuple[Mesh, float]:
+    """Sheet around and below a block from `low` to `up` [m], and the distance of the lines on it, round [m]."""
     longer = max(up[0] - low[0], up[2] - low[2])
     reach = GROUND_REACH * longer
     x, z = (np.array([low[k] - reach, up[k] + reach]) for k in (0, 2))
-    ground = sheet(x, z, np.full((2, 2), low[1] - GROUND_DEPTH * (up[1] - low[1])))  # below a dry bed
+    below = low[1] - GROUND_DEPTH * (up[1] - low[1])  # a dry bed
+    return sheet(x, z, np.full((2, 2), below)), round_up(longer / GROUND_LINES)
+
+
+def add_ground(stage: Stage, low: np.ndarray, up: np.ndarray) -> None:
+    """Add the soft shadow of a block from `low` to `up` [m], and lines round it."""
+    ground, apart = ground_sheet(low, up)
     plane = stage.mesh(ground.vertices, ground.triangles, nrm=ground.normals)
-    add_shaded(stage, plane, "tank_ground", low, up, round_up(longer / GROUND_LINES)).ForceTranslucentOn()
+    add_shaded(stage, plane, "tank_ground", low, up, apart).ForceTranslucentOn()
 
 
 def add_edges(stage: Stage, low: np.ndarray, top: np.ndarray, zones: np.ndarray) -> None:
     """Add the edges of a tank from `low` to `top` [m], and tint the inside of absorbing zones (n, 2, 3) [m]."""
     box = stage.pyvista.Box(np.stack([low, top], axis=1).ravel()).extract_feature_edges(30.0)
-    stage.plotter.add_mesh(box, color=EDGE_COLOUR, opacity=0.5, line_width=1.5 * stage.samples, lighting=False)
+    thick = 1.5 * stage.samples
+    stage.over.append(stage.plotter.add_mesh(box, color=EDGE_COLOUR, opacity=0.5, line_width=thick, lighting=False))
     for zone in zones:
         stage.plotter.add_mesh(stage.pyvista.Box(zone.T.ravel()), culling="front", lighting=False, **ZONE_TINT)
 

@@ -321,7 +321,8 @@ class Receiver(SmoothPose):
     def report(self) -> bytes:
         """Packed report to the sender: leg lengths, number and time of the last accepted packet, stopped or not."""
         seq, moment = (self.last.seq, self.last.time) if self.last is not None else (0, 0.0)
-        return wire.pack_report(wire.LegReport(seq, moment, tuple(self.legs.length.tolist()), self.glide is not None))
+        head = wire.LEGS_MAGIC, wire.FORMAT_VERSION, int(self.glide is not None), seq, moment
+        return wire.LEGS_STRUCT.pack(*head, *self.legs.length)
 
 
 def preset_geometry(name: str) -> Geometry:

@@ -157,10 +157,6 @@ def parse_report(data: bytes) -> LegReport:
     return LegReport(seq, moment, tuple(legs), state == 1)
 
 
-def pack_report(found: LegReport) -> bytes:
-    return LEGS_STRUCT.pack(LEGS_MAGIC, FORMAT_VERSION, int(found.stopped), found.seq, found.time, *found.legs)
-
-
 def stop_packet(key: bytes = b"", now: int = 0) -> bytes:
     """Bytes of a packet that stops a platform; with a key it is signed with the time `now` [ns since 1970]."""
     data = STOP_STRUCT.pack(STOP_MAGIC, FORMAT_VERSION, 0, 0)

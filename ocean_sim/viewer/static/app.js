@@ -54,8 +54,9 @@ function begin(stills) {
   $("whichShip").hidden = first.ships.length < 2;
   $("whichShip").innerHTML = first.ships.map((ship, k) => `<option value="${k}">${escaped(ship.name)}</option>`).join("");
   $("whichShip").value = camera.ship;
+  $("windText").textContent = still.windStylised ? " This one is a stylised force field, thousands of times stronger than a real wind; stress is a real one." : "";
   $("wavesText").textContent = sayWaves(still);
-  const words = [["wavemaker", "#cc7533", still.plates], ["absorbs waves", "#e8d08c", still.zones.length], ["gauge", "#f26b1a", still.plates || still.zones.length]].filter(([, , there]) => there);
+  const words = [["wavemaker", "#cc7533", still.plates], ["absorbs waves", "#c9b878", still.zones.length], ["gauge", "#f26b1a", still.plates || still.zones.length]].filter(([, , there]) => there);
   $("things").innerHTML = words.map(([word, hue]) => `<span style="--hue:${hue}">${word}</span>`).join("");
   $("things").hidden = !words.length || state.worlds.length > 1;
   const tints = still.speeds.map((rgb) => `rgb(${rgb.map((v) => Math.round(255 * v))})`);
@@ -306,7 +307,8 @@ function instruments() {
   }
   add("Depth", `${+(-still.basin.lower[1]).toPrecision(3)} m`, "", !!ship?.steered);
   const strength = slid("wind strength") ?? 1;
-  if (still.windSpeed) add("Wind", `${still.windSpeed.toFixed(1)} m/s`, strength === 1 ? "stated" : `stated, × ${short(strength)}`, true);
+  const told = still.windStylised ? "drift" : "stated";
+  if (still.windSpeed) add(still.windStylised ? "Gusts" : "Wind", `${still.windSpeed.toFixed(1)} m/s`, strength === 1 ? told : `${told}, × ${short(strength)}`, true);
   $("readings").innerHTML = rows.join("");
   $("legend").hidden = state.content === "water" || !world.balls.count;
   if (!$("legend").hidden) {
@@ -413,7 +415,7 @@ function panel(now) {
     const drawn = now.sliders.map((s, k) => `<label class="slider">${escaped(s.label)} <output></output>` +
       `<input type="range" min="0" max="1000" data-k="${k}"><small><span>${+s.low.toPrecision(4)}</span><span>${+s.high.toPrecision(4)}</span></small></label>`);
     const [sea, physics] = [true, false].map((air) => drawn.filter((_, k) => /^(wind|wave)/.test(now.sliders[k].label) === air).join(""));
-    box.innerHTML = (sea || `<p class="hint">${physics ? "Wind and waves stay as they are while it runs." : "Nothing can be changed while it runs."} All keys restarts the scene with others.</p>`) +
+    box.innerHTML = (sea || `<p class="hint">${physics ? "Wind and waves stay as they are while it runs." : "Nothing can be changed while it runs."} To change them, use the tab All keys, which restarts the scene.</p>`) +
       (physics && `<details><summary>Physics</summary>${physics}</details>`);
     for (const input of box.querySelectorAll("input")) {
       const s = now.sliders[input.dataset.k];
@@ -590,7 +592,10 @@ function waypoint(x, y) {
   sail(ship.name, world.route);
 }
 
-function sail(ship, points) { send({ do: "route", ship, points, speed: clamp(+$("routeSpeed").value || 3, 0.5, 50) }); }
+function sail(ship, points) {
+  if (state.paused && points.length) say("Paused: she sails when play goes on (Space).");
+  send({ do: "route", ship, points, speed: clamp(+$("routeSpeed").value || 3, 0.5, 50) });
+}
 
 function keep(blob, name) {
   const link = document.createElement("a");
@@ -623,7 +628,15 @@ function film() {
   tape.start(1000);
   mark(true);
 }
-function still() { draw(); canvas.toBlob((blob) => keep(blob, `ocean_${state.time.toFixed(2)}s.png`)); }
+// A still picture, sharp and with its middle in the middle, whatever the live one is.
+function still() {
+  const { scale } = state;
+  state.scale = 1;
+  draw([1, 1, 0, 0]);
+  const name = state.worlds[0].still.title.toLowerCase().replace(/[^a-z0-9]+/g, "_").slice(0, 40);
+  canvas.toBlob((blob) => keep(blob, `${name}_${state.time.toFixed(2)}s.png`));
+  Object.assign(state, { scale, dirty: true });
+}
 
 // --- mouse, fingers, keys -----------------------------------------------------------------------------------------------
 
@@ -727,13 +740,13 @@ function holdPad(seconds) {
 
 // --- pictures -----------------------------------------------------------------------------------------------------------
 
-function draw() {
+function draw(free = freeBox(state.worlds.length)) {
   const ratio = Math.min(devicePixelRatio || 1, 2) * state.scale;
   const width = Math.max(Math.round(canvas.clientWidth * ratio), 2), height = Math.max(Math.round(canvas.clientHeight * ratio), 2);
   if (canvas.width !== width || canvas.height !== height) { canvas.width = width; canvas.height = height; }
   const seen = state.worlds[0];
   if (seen.after && camera.of !== seen.still.title) { camera.of = seen.still.title; camera.face(seen, painter.sky.lit.sunDir); }
-  const n = state.worlds.length, free = freeBox(n), options = { lines: state.lines, mirror: state.mirror, light: root.dataset.theme === "light" };
+  const n = state.worlds.length, options = { lines: state.lines, mirror: state.mirror, light: root.dataset.theme === "light" };
   gl.bindFramebuffer(gl.FRAMEBUFFER, null);
   gl.enable(gl.SCISSOR_TEST);
   state.worlds.forEach((world, k) => {

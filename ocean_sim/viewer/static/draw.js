@@ -349,6 +349,12 @@ void main() {
   gl_Position = vec4(p, 0.99999, 1.0);
 }`;
 
+const FLOOR_VERTEX = `
+layout(location = 0) in vec3 corner;
+uniform mat4 view;
+out vec3 posW;
+void main() { posW = corner; gl_Position = view * vec4(corner, 1.0); }`;
+
 // What every world draws with, compiled once for each set of ships.
 class Painter {
   constructor(gl) {
@@ -371,7 +377,7 @@ class Painter {
   water(still) {
     const key = still.shaders.water;
     if (!this.waters.has(key)) {
-      const { common, functions, water, sky } = still.shaders, top = declared(still.uniforms);
+      const { common, functions, water, sky, floor } = still.shaders, top = declared(still.uniforms);
       // With few pixels a wave the sun's glint stands on the water as crumbs of sand: here it is wider, whiter and limited.
       const soft = `vec3 softened(vec3 glint) { return mix(glint, vec3(glint.g), 0.4) / (1.0 + 2.0 * glint.g); }
 #define sunGlint(n, e, variance) softened(sunGlint(n, e, (variance) + 0.006))\n`;
@@ -390,7 +396,8 @@ uniform vec3 ground;\n${common}void main() {${sky}
   vec3 floor_ = mix(fragOutput0.rgb, ground, 1.0 - exp(-below / 0.07));
   fragOutput0.rgb = mix(fragOutput0.rgb, floor_, studio * step(d.y, 0.0));
 }`;
-      this.waters.set(key, { water: new Program(this.gl, WATER_VERTEX, body), dome: new Program(this.gl, SKY_VERTEX, dome) });
+      const under = `in vec3 posW;\nuniform vec3 boxLow, boxHigh;\nuniform float apart;\nout vec4 fragOutput0;\nvoid main() {${floor}}`;
+      this.waters.set(key, { water: new Program(this.gl, WATER_VERTEX, body), dome: new Program(this.gl, SKY_VERTEX, dome), floor: new Program(this.gl, FLOOR_VERTEX, under) });
     }
     return this.waters.get(key);
   }

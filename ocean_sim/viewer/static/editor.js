@@ -32,13 +32,9 @@ class Editor {
   }
 
   number() {
-    const wrong = new Map();
-    for (const p of this.problems) if (p.line) wrong.set(p.line, p.message);
-    const count = this.text.value.split("\n").length;
-    this.lines.innerHTML = Array.from({ length: count }, (_, k) => {
-      const bad = wrong.get(k + 1);
-      return `<div${bad ? ` class="bad" title="${escaped(bad)}"` : ""}>${k + 1}</div>`;
-    }).join("");
+    const wrong = new Set(this.problems.map((p) => p.line));
+    this.lines.innerHTML = this.text.value.split("\n").map((row, k) =>
+      `<div${wrong.has(k + 1) ? ' class="bad"' : ""} data-row="${escaped(row)}"><b>${k + 1}</b></div>`).join("");
     this.lines.scrollTop = this.text.scrollTop;
   }
 
@@ -54,7 +50,7 @@ class Editor {
     const before = this.text.value.split("\n").slice(0, line - 1).reduce((n, row) => n + row.length + 1, 0);
     this.text.focus();
     this.text.setSelectionRange(before + column - 1, before + column - 1);
-    this.text.scrollTop = Math.max(0, (line - 4) * 19.5);
+    this.text.scrollTop = this.lines.children[line - 1].offsetTop - 60;
   }
 
   key(event) {
@@ -135,7 +131,8 @@ class Editor {
     this.menu.innerHTML = words.slice(0, 60).map((w, k) => `<li data-word="${escaped(w.word ? `${w.word}: ` : w)}" class="${k ? "" : "on"}">` +
       `<b>${escaped(w.word || w)}</b> <span>${escaped(w.unit ? `[${w.unit}]` : "")} ${escaped(w.what || "")}</span></li>`).join("");
     for (const item of this.menu.children) item.onmousedown = (event) => { event.preventDefault(); this.take(item.dataset.word); };
-    this.menu.style.top = `${Math.min(8 + rows.length * 19.5 - this.text.scrollTop, this.text.clientHeight - 40)}px`;
+    const { offsetTop, offsetHeight } = this.lines.children[rows.length - 1];
+    this.menu.style.top = `${Math.min(offsetTop + offsetHeight - this.text.scrollTop, this.text.clientHeight - 40)}px`;
     this.menu.hidden = false;
   }
 

@@ -1,6 +1,13 @@
 const WHEEL_TURN = 130 / 35;  // angle of the wheel over that of the rudder: less than half a turn, so that its mark tells the side
 const WAKE_SECONDS = 40;  // after which white water behind a ship is gone
 
+// Distance from a hull's waterline at rest [m], negative inside, at a place in her axes, between the nodes of its map.
+function gapAt({ near, far, map, shape: [cells] }, x, z) {
+  const u = ((x - near[0]) / (far[0] - near[0])) * cells - 0.5, v = ((z - near[1]) / (far[1] - near[1])) * cells - 0.5;
+  const a = clamp(Math.floor(u), 0, cells - 2), b = clamp(Math.floor(v), 0, cells - 2), p = clamp(u - a, 0, 1), q = clamp(v - b, 0, 1), o = b * cells + a;
+  return (map[o] * (1 - p) + map[o + 1] * p) * (1 - q) + (map[o + cells] * (1 - p) + map[o + cells + 1] * p) * q;
+}
+
 // One simulation as it is drawn: what never changes is made once, two moments are held, and what lies between is shown.
 class World {
   constructor(gl, painter, still) {
@@ -30,6 +37,7 @@ class World {
     this.surfaces = { tank: this.mesh(false), sea: still.basin.flat ? null : this.mesh(true) };
     this.sides();
     this.ground = still.data.ground ? shape(gl, [still.data.ground, still.data.ground_normals]) : null;
+    this.floor = array(gl, [[0, buffer(gl, still.data.floor), 3]]);
     this.ships = still.ships.map((ship, k) => this.model(ship, k));
     this.gapMap = new Float32Array(96 * 96 * Math.max(this.ships.length, 1)).fill(9);
     this.balls = this.particles();
@@ -116,7 +124,6 @@ class World {
     this.share = share;
     this.time = before.time + (after.time - before.time) * share;
     this.origin = share < 0.5 ? before.origin : after.origin;
-    this.blend();
     const a = before.data.poses, b = after.data.poses;
     if (a && b) {
       this.poses = this.ships.map((_, k) => {
@@ -125,6 +132,7 @@ class World {
       });
       this.ships.forEach((ship, k) => { ship.pose = M.pose(this.poses[k].turn, this.poses[k].position); });
     }
+    this.blend();
     const legs = after.data.platform, past = before.data.platform;
     this.legs = legs && past ? Array.from(legs, (v, k) => past[k] + (v - past[k]) * share) : null;
   }
@@ -220,6 +228,9 @@ class World {
       for (let k = 0; k < heights.length; k++) {
         const i = flat ? k >> 1 : k;
         heights[k] = a[i] + (b[i] - a[i]) * s;
+      }
+      if (!flat && !this.still.sea.exact) this.ships.forEach((ship, k) => this.levelHull(ship, this.poses[k]));
+      for (let k = 0; k < heights.length; k++) {
         both[2 * k] = heights[k];
         both[2 * k + 1] = foam[k];
       }
@@ -227,6 +238,30 @@ class World {
     gl.activeTexture(gl.TEXTURE1);
     gl.bindTexture(gl.TEXTURE_2D, this.tile);
     gl.texImage2D(gl.TEXTURE_2D, 0, gl.RG32F, this.nz, this.nx, 0, gl.RG, gl.FLOAT, both);
+  }
+
+  // Under a hull heights of particles follow her bottom: draw those around her on instead, so that she cuts a clean line.
+  levelHull({ gap, pose, length }, at) {
+    if (!gap || !at) return;
+    const { nx, nz, heights, step, first, origin } = this, heading = Math.atan2(pose[8], pose[10]), c = Math.cos(heading), s = Math.sin(heading);
+    const [mx, mz] = [0, 1].map((k) => (at.position[2 * k] - origin[k] - first[k]) / step[k]), hidden = new Set();
+    const [rx, rz] = step.map((one) => length / one);
+    for (let i = Math.max(0, Math.ceil(mx - rx)); i < Math.min(nx, mx + rx); i++) for (let j = Math.max(0, Math.ceil(mz - rz)); j < Math.min(nz, mz + rz); j++) {
+      const x = (i - mx) * step[0], z = (j - mz) * step[1];
+      if (gapAt(gap, c * x - s * z, s * x + c * z) < 0.5 * step[0]) hidden.add(i * nz + j);
+    }
+    while (hidden.size) {  // ring by ring, from outside
+      const known = [...hidden].flatMap((k) => {
+        const beside = [[k - nz, k >= nz], [k + nz, k + nz < nx * nz], [k - 1, k % nz], [k + 1, (k + 1) % nz]];
+        const all = beside.filter(([one, there]) => there && !hidden.has(one)).map(([one]) => heights[one]);
+        return all.length ? [[k, all.reduce((sum, h) => sum + h) / all.length]] : [];
+      });
+      if (!known.length) return;
+      for (const [k, height] of known) {
+        heights[k] = height;
+        hidden.delete(k);
+      }
+    }
   }
 
   // Height of the water at a place [m].
@@ -253,17 +288,13 @@ class World {
     this.ships.forEach((ship, k) => {
       values[`useHull${k}`] = 0;
       if (!ship.gap || !this.poses[k]) return;
-      const { near, far, map, shape: [cells] } = ship.gap, m = ship.pose, heading = Math.atan2(m[8], m[10]);
+      const { near, far } = ship.gap, m = ship.pose, heading = Math.atan2(m[8], m[10]);
       const c = Math.cos(heading), s = Math.sin(heading), at = this.poses[k].position;
       const corners = [[near[0], near[1]], [far[0], near[1]], far, [near[0], far[1]]].map(([x, z]) => [c * x + s * z, -s * x + c * z]);
       const low = [0, 1].map((a) => Math.min(...corners.map((p) => p[a]))), high = [0, 1].map((a) => Math.max(...corners.map((p) => p[a])));
       for (let j = 0; j < n; j++) for (let i = 0; i < n; i++) {
         const x = low[0] + ((i + 0.5) / n) * (high[0] - low[0]), z = low[1] + ((j + 0.5) / n) * (high[1] - low[1]);
-        const u = ((c * x - s * z - near[0]) / (far[0] - near[0])) * cells - 0.5, v = ((s * x + c * z - near[1]) / (far[1] - near[1])) * cells - 0.5;
-        const a = clamp(Math.floor(u), 0, cells - 2), b = clamp(Math.floor(v), 0, cells - 2), p = clamp(u - a, 0, 1), q = clamp(v - b, 0, 1);
-        const o = b * cells + a;
-        this.gapMap[(k * n + j) * n + i] =
-          (map[o] * (1 - p) + map[o + 1] * p) * (1 - q) + (map[o + cells] * (1 - p) + map[o + cells + 1] * p) * q;
+        this.gapMap[(k * n + j) * n + i] = gapAt(ship.gap, c * x - s * z, s * x + c * z);
       }
       values[`useHull${k}`] = 1;
       values[`hullBox${k}`] = [low[0] + at[0], low[1] + at[2], 0];
@@ -297,6 +328,7 @@ class World {
     this.programs.dome.use({ ...uniforms, useFog: 1, eyeW: [0, 0, 0], back, studio: sea ? 0 : 1, ground: options.light ? [0.74, 0.80, 0.85] : [0.15, 0.20, 0.26] });
     gl.bindVertexArray(painter.empty);
     gl.drawArrays(gl.TRIANGLES, 0, 3);
+    if (!sea) this.drawFloor(view);
     gl.depthMask(true);
     this.solids(view, lit);
     if (content !== "water") this.drawBalls(view, eye, content === "both");
@@ -308,6 +340,17 @@ class World {
     if (options.lines) this.drawLines(view, sea);
     if (water && this.before.data.drops) this.drawDrops(view);
     gl.bindVertexArray(null);
+  }
+
+  // The shadow of the basin, and lines around it.
+  drawFloor(view) {
+    const { gl, still, floor } = this;
+    gl.enable(gl.BLEND);
+    gl.blendFunc(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA);
+    this.programs.floor.use({ view, boxLow: still.basin.lower, boxHigh: still.basin.upper, apart: still.floorLines });
+    gl.bindVertexArray(floor);
+    gl.drawArrays(gl.TRIANGLES, 0, 6);
+    gl.disable(gl.BLEND);
   }
 
   drawWater(view, uniforms, thin, sea, mirrored, pixel) {
@@ -359,9 +402,9 @@ class World {
       gl.drawArrays(gl.TRIANGLES, 0, what.count);
     };
     const at = (x, y, z) => V.add(ship.helm, [x * u, y * u, z * u]), box = (p, half, paint) => draw(painter.box, sized(at(...p), V.scale(half, u)), paint);
-    box([0, -0.82, 1.05], [2.4, 0.2, 0.34], [0.30, 0.33, 0.36, 1]);
-    box([0, 0.80, 1.3], [2.4, 0.09, 0.3], [0.80, 0.81, 0.80, 1]);
-    for (const x of [-1.9, -0.7, 0.7, 1.9]) draw(painter.rod, along(at(x, -0.64, 1.37), at(0.97 * x, 0.75, 1.2), 0.03 * u), [0.80, 0.81, 0.80, 1]);
+    box([0, -1.12, 1.05], [2.4, 0.5, 0.34], [0.30, 0.33, 0.36, 1]);  // down to the deck
+    box([0, 0.80, 0.3], [2.4, 0.09, 1.3], [0.80, 0.81, 0.80, 1]);  // a roof overhead
+    for (const x of [-1.9, -0.7, 0.7, 1.9]) draw(painter.rod, along(at(x, -0.75, 1.46), at(0.97 * x, 0.75, 1.25), 0.03 * u), [0.80, 0.81, 0.80, 1]);
     const rim = (k, r) => { const a = (k * Math.PI) / 8 + WHEEL_TURN * rudder; return at(r * Math.sin(a), -0.40 + 0.8 * r * Math.cos(a), 0.86 + 0.5 * r * Math.cos(a)); };
     for (let k = 0; k < 16; k++) {
       draw(painter.rod, along(rim(k, 0.2), rim(k + 1, 0.2), 0.012 * u), [0.52, 0.38, 0.24, 1]);
@@ -507,7 +550,7 @@ class World {
     gl.blendFunc(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA);
     gl.depthMask(false);
     for (const [low, high] of still.zones) {
-      painter.solid.use({ ...lit, view, pose: this.block(low, high, 1.004), paint: [0.98, 0.88, 0.60, 0.16] });
+      painter.solid.use({ ...lit, view, pose: this.block(low, high, 1.004), paint: [0.98, 0.86, 0.50, 0.38] });
       gl.bindVertexArray(painter.box.vertices);
       gl.drawArrays(gl.TRIANGLES, 0, painter.box.count);
     }
@@ -579,6 +622,6 @@ class World {
   free() {
     const { gl } = this;
     for (const one of [this.tile, this.gaps, this.mirror]) gl.deleteTexture(one);
-    for (const one of [this.surfaces.tank.vertices, this.surfaces.sea?.vertices, this.wall, this.balls.vertices, this.lines.vertices, this.spray.vertices, this.ground?.vertices, ...this.wakes.map((w) => w.vertices), ...this.ships.map((s) => s.vertices)]) gl.deleteVertexArray(one || null);
+    for (const one of [this.surfaces.tank.vertices, this.surfaces.sea?.vertices, this.wall, this.floor, this.balls.vertices, this.lines.vertices, this.spray.vertices, this.ground?.vertices, ...this.wakes.map((w) => w.vertices), ...this.ships.map((s) => s.vertices)]) gl.deleteVertexArray(one || null);
   }
 }

@@ -12,7 +12,8 @@ from ocean_sim.pictures.water.water_surface import round_up
 from ocean_sim.surface import Mesh, sheet
 
 EDGE_COLOUR = "#eef3f6"
-ZONE_TINT = {"color": "#e8b23c", "opacity": 0.35}  # of bed and walls of an absorbing zone
+# Of bed and walls of an absorbing zone; share of its height by which the tint lies over the bed
+ZONE_TINT, TINT_LIFT = {"color": "#e8b23c", "opacity": 0.35}, 0.02
 PANEL_OFFSET = 0.004  # of a tank's height by which bed and walls are drawn outside the water
 # Colour of bed and walls: on dark ground clear water would not tell how thick it is
 PANEL_COLOUR = np.array([0.68, 0.74, 0.76])
@@ -61,6 +62,7 @@ def add_edges(stage: Stage, low: np.ndarray, top: np.ndarray, zones: np.ndarray)
     thick = 1.5 * stage.samples
     stage.over.append(stage.plotter.add_mesh(box, color=EDGE_COLOUR, opacity=0.5, line_width=thick, lighting=False))
     for zone in zones:
+        zone = zone + np.outer([TINT_LIFT, 0.0], [0.0, zone[1, 1] - zone[0, 1], 0.0])  # over a flat bed of sand
         stage.plotter.add_mesh(stage.pyvista.Box(zone.T.ravel()), culling="front", lighting=False, **ZONE_TINT)
 
 

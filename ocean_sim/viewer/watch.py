@@ -92,7 +92,7 @@ class Watch(Observer, TakesCommands):
         if self.setting.models and not (self.trail and simulation.time < self.trail[-1][0] + TRAIL_INTERVAL):
             self.trail.append(np.array([simulation.time, *self.poses().ravel()], np.float32))
         rate = MAX_FRAME_RATE if self.server.watchers else UNSEEN_FRAME_RATE
-        if (self.server.watchers or self.seq) and (self.server.fresh or now - self.last >= 1.0 / rate):
+        if self.server.fresh or now - self.last >= 1.0 / rate:
             self.show(now)
 
     def show(self, now: float) -> None:

@@ -181,6 +181,24 @@ def test_a_page_that_opens_late_is_told_where_the_ship_was(session):
     assert np.linalg.norm(poses[:, 3:], axis=1) == pytest.approx(np.ones(len(times)), abs=1e-5)
 
 
+def test_frames_go_on_while_no_page_is_open_but_rarely(lake, monkeypatch):
+    """For the last minute of a page that opens late."""
+    clock, desk = [lake.watch.last], lake.server
+    monkeypatch.setattr("ocean_sim.viewer.watch.perf_counter", lambda: clock[0])
+
+    def frames_of_ten_seconds():
+        before = len(desk.frames)
+        for _ in range(1000):
+            clock[0] += 0.01
+            lake.watch.observe(lake.simulation)
+        return len(desk.frames) - before
+
+    desk.fresh = False
+    assert 150 < frames_of_ten_seconds() <= 200
+    desk.watchers = 0
+    assert 30 < frames_of_ten_seconds() <= 40
+
+
 def test_the_first_step_waits_for_a_page(lake):
     lake.paused, lake.server.watchers = False, 0
     lake.advance(0.1)

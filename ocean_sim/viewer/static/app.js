@@ -41,7 +41,7 @@ function begin(stills) {
   $("showSea").parentElement.hidden = still.tank;  // water goes on around no tank
   $("showMirror").parentElement.hidden = !first.ships.length;
   $("steering").hidden = !LIVE || !state.drives || !first.ships.some((ship) => ship.steered);
-  $("arrows").textContent = $("steering").hidden ? "turn the view" : "steer a ship";
+  if ($("arrows")) $("arrows").textContent = $("steering").hidden ? "turn the view" : "steer a ship";  // on a first visit, with keys
   $("rigCheck").hidden = $("ridesCheck").hidden = !still.platform;
   plots.begin(state.worlds.map((world, k) => ({ scalars: world.still.scalars, name: START.runs?.[k]?.name || world.still.title, spacing: world.still.particles && world.still.spacing })));
   const contents = [...(still.surface ? ["water"] : []), ...(still.particles ? ["particles"] : []), ...(still.surface && still.particles ? ["both"] : [])];
@@ -630,8 +630,9 @@ function film() {
 }
 // A still picture, sharp and with its middle in the middle, whatever the live one is.
 function still() {
+  if (!state.worlds.length) return;
   const { scale } = state;
-  state.scale = 1;
+  if (!film.tape) state.scale = 1;  // a film keeps its size
   draw([1, 1, 0, 0]);
   const name = state.worlds[0].still.title.toLowerCase().replace(/[^a-z0-9]+/g, "_").slice(0, 40);
   canvas.toBlob((blob) => keep(blob, `${name}_${state.time.toFixed(2)}s.png`));

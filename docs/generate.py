@@ -45,17 +45,21 @@ NO_FIGURE = {
 }
 
 GALLERY = {  # what each picture shows
-    "showcase": "Some 6000 particles under the thesis's wide wind, in a basin of 40 m by 40 m, after 9.2 s.",
+    "showcase": "Some 6000 particles under the thesis's wide wind, in a basin of 40 m by 40 m, after 9.2 s; the sea "
+    "beyond is only drawn.",
     "yacht_in_waves": "A sum of linear waves, 1.5 m high with a peak period of 5.5 s. She makes 4 m/s at first.",
     "from_the_helm": "The same sea, from the camera at her helm.",
-    "two_ships": "The tug, of 22 m, passes at 3.8 m/s; the yacht lies on three moorings, 22 m from the tug's track.",
-    "sail_away": "Waves 1.2 m high with a peak period of 5.5 s; a tile of 160 m around her carries her wake.",
+    "two_ships": "A spectral sea, without particles. The tug, of 22 m, passes at 3.8 m/s; the yacht lies on three "
+    "moorings (not drawn), 22 m from the tug's track.",
+    "sail_away": "A spectral sea, without particles: waves 1.2 m high with a peak period of 5.5 s; a tile of 160 m "
+    "around her carries her wake.",
     "wind_wide": "The thesis's figure 6-3 (c) after 4 s, with the wind and a scale.",
     "wind_vortex": "The thesis's figure 6-3 (d) after 7.9 s, with the wind and a scale.",
     "dam_break_on_a_box": "The tank of Kleefsman et al. (2005), 3.22 m long, 0.72 s after the water was let go.",
     "box_in_wave_tank": "A wavemaker sends waves of 0.1 m past a box; a zone at the other end absorbs them.",
     "reef": "Waves of 0.1 m turn around a mound in a tank of 6 m by 4 m.",
-    "platform": "Poses of a hexapod, forces and rates; dashed: her scaled motion; shaded: a limit holds.",
+    "platform": "Poses of a hexapod, forces and rates, in the platform's axes: x forward, y to port, z up. Dashed: her "
+    "scaled motion, which the platform leaves where a limit holds (shaded).",
 }
 
 GUIDES = {  # of each slot, the page that helps to choose
@@ -510,7 +514,8 @@ def gallery() -> str:
     ran = dict[str, str]()  # by each command that runs a scene, the picture that it was first given for
     for entry in gallery_entries():
         name = entry.picture.partition(".")[0]
-        picture = f"![{entry.about}](../../figures/gallery/{entry.picture})\n\n{GALLERY[name]} (`{entry.scene}`)\n"
+        shown = f"```{{image}} ../../figures/gallery/{entry.picture}\n:alt: {entry.about}"
+        picture = f"{shown}\n:target: ../_images/{entry.picture}\n```\n\n{GALLERY[name]} (`{entry.scene}`)\n"
         simulate, draw = show_entry(entry)
         above = ran.setdefault(simulate, entry.about)
         simulate, draw = map(wrapped_command, (simulate, draw))

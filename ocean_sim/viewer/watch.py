@@ -30,7 +30,8 @@ MAX_PARTICLES = 60_000  # that are shown: of more, every second, third, ...
 RARE_FRAME_INTERVAL = 4  # frames between two that draw the wind and measure the largest speed
 MIN_TOP_SPEED = 0.5  # [m/s] least speed of the brightest colour
 MAX_PLOTTED_SHIPS = 4
-TRAIL_INTERVAL, TRAIL_LENGTH = 0.25, 160  # [s] between kept poses of the ships, and their number: 40 s of wake
+# [s] between kept poses of the ships, and their number: 40 s of wake at a moment of the last minute
+TRAIL_INTERVAL, TRAIL_LENGTH = 0.25, 400
 SPLASH_REACH = 6.0  # four standard deviations of a random sea
 STAGE_NAMES = ("wind", "fluid", "surface", "ship", "observers")
 

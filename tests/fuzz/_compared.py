@@ -96,10 +96,12 @@ class Books:
         self.health.observe(simulation)
 
     def check(self) -> list[str]:
-        """Which do not close; raises Diverged where a run would be stopped. `mueller` does heat water, and says so."""
+        """Which do not close; raises Diverged where a run would be stopped. `mueller` heats water, and so does water
+        less deep than a support radius; both are told."""
         if self.health.n > 0 and (sentence := next(self.health.violations(), "")):
             raise Diverged(sentence)
-        heats = self.health.simulation.scene.fluid.kind == "mueller"
+        scene = self.health.simulation.scene
+        heats = scene.fluid.kind == "mueller" or scene.basin.depth <= (scene.preflight.support or 0.0)
         return [what for what in self.health.reported if not (heats and what == "energy that no work has given")]
 
 
@@ -280,7 +282,7 @@ def loaded(keys: dict[str, Any]) -> SceneConfig | None:
 
 
 def mirrored(twins: Twins) -> list[str] | None:
-    """Its water left to right, with walls and obstacles that rest."""
+    """Its water left to right, with walls, bed and obstacles that rest."""
     config = twins.config
     keys = water_alone(config, ("motion", "wavemaker", "lid"), ("initial", "emitter"))
     one = None if keys is None else loaded(keys)
@@ -294,6 +296,11 @@ def mirrored(twins: Twins) -> list[str] | None:
     for vector in (other["fluid"].get("body_force"), other["basin"].get("gravity")):
         if vector:
             vector[0] = -vector[0]
+    floor = other["basin"].get("floor")
+    if isinstance(floor, dict) and floor.get("grid"):
+        return None
+    if isinstance(floor, dict) and floor.get("profile"):
+        floor["profile"] = [[-x, y] for x, y in floor["profile"][::-1]]
     walls = other["basin"].get("walls")
     if isinstance(walls, dict):
         other["basin"]["walls"] = {SWAPPED.get(side, side): kind for side, kind in walls.items()}

@@ -299,10 +299,11 @@ function instruments() {
     add("Heading", sided((Math.atan2(ship.pose[8], ship.pose[10]) * 180) / Math.PI), "of north (+z)");
     if (rudder !== undefined) add("Rudder", ...`${sided(rudder)} `.split(" "));
   }
-  const regular = exact && waves.length === 1, high = regular ? 2 * waves[0][0] : reading(head, "height", "") ?? world.height;
+  const regular = (exact && waves.length === 1) || !!(still.waves.height && still.waves.period);
+  const high = !regular ? reading(head, "height", "") ?? world.height : exact ? 2 * waves[0][0] : world.height / Math.SQRT2;  // of a sine
   const stated = slid("wave period") || still.waves.peak_period || still.waves.period, period = stated || crossingPeriod();
   if ((regular ? high : world.height) > 0.005 && (exact || stated || still.windSpeed || world.ships.length)) {
-    add(regular ? "H" : "H<sub>s</sub>", `${high.toFixed(high < 1 ? 2 : 1)} m`, regular ? "of the wave" : "now");
+    add(regular ? "H" : "H<sub>s</sub>", `${high.toFixed(high < 1 ? 2 : 1)} m`, regular && exact ? "of the wave" : "now");
     if (period) add(regular ? "T" : stated ? "T<sub>p</sub>" : "T<sub>z</sub>", `${period.toFixed(1)} s`, stated ? "stated" : "at the gauge", true);
   }
   add("Depth", `${+(-still.basin.lower[1]).toPrecision(3)} m`, "", !!ship?.steered);
@@ -315,6 +316,7 @@ function instruments() {
     const top = world.balls.fastest;
     document.querySelector("#legend b").innerHTML = [0, 0.5 * top, top].map((v) => `<span>${+v.toPrecision(2)}</span>`).join("");
   }
+  $("helmWord").textContent = state.back ? "Helm, as it is now" : state.paused ? "Helm, when play goes on" : "Helm";
   $("scrubBar").hidden = LIVE && !(live.history.end - live.history.times[0] > 0.2);
   $("toLive").hidden = !state.back;
   if (!LIVE) return;
@@ -434,8 +436,8 @@ function panel(now) {
       input.closest("label").querySelector("output").textContent = short(s.value);
     }
   }
-  const ship = now.ships[camera.ship];
-  const world = state.worlds[0];
+  const ship = now.ships[camera.ship], world = state.worlds[0];
+  if (world) $("showLines").parentElement.hidden = !!world.surfaces.sea && !world.still.tank && now.wind === "still";  // there are none
   if (ship && world) world.route = ship.route;
   if (world && now.sea) world.still.sea = now.sea;
   helmBar();
@@ -634,7 +636,7 @@ function still() {
   const { scale } = state;
   if (!film.tape) state.scale = 1;  // a film keeps its size
   draw([1, 1, 0, 0]);
-  const name = state.worlds[0].still.title.toLowerCase().replace(/[^a-z0-9]+/g, "_").slice(0, 40);
+  const name = state.worlds[0].still.title.toLowerCase().replace(/[^a-z0-9]+/g, "_").slice(0, 60);
   canvas.toBlob((blob) => keep(blob, `${name}_${state.time.toFixed(2)}s.png`));
   Object.assign(state, { scale, dirty: true });
 }
@@ -816,7 +818,7 @@ function tick(now) {
     const begun = performance.now();
     draw();
     state.drawn++;
-    state.dirty = false;
+    state.dirty = ["follow", "side"].includes(camera.mode) && state.worlds.some((world) => world.turning);
     if (state.worlds[0].after && !$("cover").classList.contains("gone")) $("cover").classList.add("gone");
     // Coarser pixels where the machine cannot follow; a film keeps its size.
     slow = 0.92 * slow + 0.08 * Math.max(seconds * 1000, performance.now() - begun);

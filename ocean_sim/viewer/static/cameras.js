@@ -1,5 +1,6 @@
 // Where the eye is: around the basin, around a ship, at the helm, or above.
 const OUTSIDE = (35 * Math.PI) / 180, HELM = (62 * Math.PI) / 180;
+const TURN_SECONDS = 0.8, QUARTER = 0.5;  // in which a camera turns after a ship; how far it stands off her stern
 
 class Camera {
   constructor() {
@@ -58,9 +59,11 @@ class Camera {
     let azimuth = this.azimuth, rise = this.height;
     if (follow) {
       const m = ship.pose, heading = Math.atan2(m[8], m[10]);
-      const last = world.heading ?? heading;
-      world.heading = last + 0.04 * Math.atan2(Math.sin(heading - last), Math.cos(heading - last));
-      azimuth += world.heading + Math.PI - 0.1;
+      const last = world.heading ?? heading, now = performance.now() / 1000, behind = Math.atan2(Math.sin(heading - last), Math.cos(heading - last));
+      world.heading = last + (1 - Math.exp(((world.turned ?? now) - now) / TURN_SECONDS)) * behind;
+      world.turned = now;
+      world.turning = Math.abs(behind) > 0.01;
+      azimuth += world.heading + Math.PI - (this.home ?? 0.66) + QUARTER;
     }
     if (mode === "side") { azimuth = follow ? world.heading - 0.5 * Math.PI : size[0] < size[2] ? 0.5 * Math.PI : 0; rise = across ? 0.15 : 0.05; }
     const angle = aspect < 0.8 ? OUTSIDE * 1.35 : OUTSIDE, fit = Math.max(1, 1.12 / (aspect * free[0]), 0.8 / free[1]);

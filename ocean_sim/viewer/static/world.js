@@ -184,7 +184,7 @@ class World {
   // Rows of time and poses from before this page was open: once, for wakes.
   recall(rows, [count, width]) {
     if (this.wakes.some(({ trail }) => trail.length)) return;
-    for (let k = 0; k < count; k++) this.follow(rows[k * width], rows.subarray(k * width + 1, (k + 1) * width), WAKE_SECONDS);
+    for (let k = 0; k < count; k++) this.follow(rows[k * width], rows.subarray(k * width + 1, (k + 1) * width), WAKE_SECONDS + HISTORY_SECONDS);
   }
 
   // Foam as the simulation knows it, else where a crest is as steep as one that breaks: there it appears at once, then it fades.
@@ -405,7 +405,7 @@ class World {
     box([0, -1.12, 1.05], [2.4, 0.5, 0.34], [0.30, 0.33, 0.36, 1]);  // down to the deck
     box([0, 0.80, 0.3], [2.4, 0.09, 1.3], [0.80, 0.81, 0.80, 1]);  // a roof overhead
     for (const x of [-1.9, -0.7, 0.7, 1.9]) draw(painter.rod, along(at(x, -0.75, 1.46), at(0.97 * x, 0.75, 1.25), 0.03 * u), [0.80, 0.81, 0.80, 1]);
-    const rim = (k, r) => { const a = (k * Math.PI) / 8 + WHEEL_TURN * rudder; return at(r * Math.sin(a), -0.40 + 0.8 * r * Math.cos(a), 0.86 + 0.5 * r * Math.cos(a)); };
+    const rim = (k, r) => { const a = (k * Math.PI) / 8 + WHEEL_TURN * rudder; return at(r * Math.sin(a), -0.34 + 0.8 * r * Math.cos(a), 0.86 + 0.5 * r * Math.cos(a)); };
     for (let k = 0; k < 16; k++) {
       draw(painter.rod, along(rim(k, 0.2), rim(k + 1, 0.2), 0.012 * u), [0.52, 0.38, 0.24, 1]);
       if (k % 2 === 0) draw(painter.rod, along(rim(k, 0), rim(k, 0.26), 0.008 * u), [0.52, 0.38, 0.24, 1]);

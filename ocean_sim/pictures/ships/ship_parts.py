@@ -213,8 +213,8 @@ class Hull:
         """Mesh of the hull painted by height: antifouling, boot top, topsides; a deck, if any, has its own colour."""
         low, high = (share * self.freeboard for share in BOOT_TOP)
         sides = self.values[~self.is_deck] if self.has_deck else self.values
-        bands = [(low, antifouling), (high, boot_top), (np.inf, topsides)]
-        hull = paint_bands(sides, self.up, self.level, bands)
+        bands = [(low, antifouling), (high, boot_top), (np.inf, topsides)]  # of one paint there is nothing to cut
+        hull = paint_bands(sides, self.up, self.level, bands[2 * (antifouling == topsides) :])
         return merge_meshes([hull, flat_mesh(self.values[self.is_deck][:, :, :3], deck)]) if self.has_deck else hull
 
     def deck_edge(self) -> np.ndarray:

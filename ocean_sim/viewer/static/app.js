@@ -300,9 +300,9 @@ function instruments() {
     if (rudder !== undefined) add("Rudder", ...`${sided(rudder)} `.split(" "));
   }
   const regular = (exact && waves.length === 1) || !!(still.waves.height && still.waves.period);
-  const high = !regular ? reading(head, "height", "") ?? world.height : exact ? 2 * waves[0][0] : world.height / Math.SQRT2;  // of a sine
+  const high = regular && exact ? 2 * waves[0][0] : (reading(head, "height", "") ?? world.height) / (regular ? Math.SQRT2 : 1);  // of a sine
   const stated = slid("wave period") || still.waves.peak_period || still.waves.period, period = stated || crossingPeriod();
-  if ((regular ? high : world.height) > 0.005 && (exact || stated || still.windSpeed || world.ships.length)) {
+  if (high > 0.005 && (exact || stated || still.windSpeed || world.ships.length)) {
     add(regular ? "H" : "H<sub>s</sub>", `${high.toFixed(high < 1 ? 2 : 1)} m`, regular && exact ? "of the wave" : "now");
     if (period) add(regular ? "T" : stated ? "T<sub>p</sub>" : "T<sub>z</sub>", `${period.toFixed(1)} s`, stated ? "stated" : "at the gauge", true);
   }

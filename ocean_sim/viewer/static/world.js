@@ -248,7 +248,7 @@ class World {
     const [rx, rz] = step.map((one) => length / one);
     for (let i = Math.max(0, Math.ceil(mx - rx)); i < Math.min(nx, mx + rx); i++) for (let j = Math.max(0, Math.ceil(mz - rz)); j < Math.min(nz, mz + rz); j++) {
       const x = (i - mx) * step[0], z = (j - mz) * step[1];
-      if (gapAt(gap, c * x - s * z, s * x + c * z) < 0.5 * step[0]) hidden.add(i * nz + j);
+      if (gapAt(gap, c * x - s * z, s * x + c * z) < 1.25 * step[0]) hidden.add(i * nz + j);
     }
     while (hidden.size) {  // ring by ring, from outside
       const known = [...hidden].flatMap((k) => {

@@ -128,7 +128,7 @@ def test_a_replay_opens_from_a_file_and_scrubs(run, tmp_path):
     path = replay_file([run], tmp_path / "replay.html")
     with _chromium.Page((480, 360)) as browser:
         browser.go(path.as_uri())
-        browser.wait("oceanSim.state.drawn > 1", 120.0)
+        browser.wait("window.oceanSim?.state.drawn > 1", 120.0)
         assert browser.js("document.getElementById('title').textContent") == "A barge on a running wave"
         browser.js("document.getElementById('scrub').value = 500; document.getElementById('scrub').oninput()")
         assert browser.js("oceanSim.state.paused") and browser.js("oceanSim.state.time") == pytest.approx(1.0, abs=1e-6)
@@ -184,7 +184,7 @@ def test_two_runs_have_one_clock_and_the_longer_one_goes_on(run, tmp_path):
     path = replay_file([shorter, run], tmp_path / "replay.html")
     with _chromium.Page((480, 360)) as browser:
         browser.go(path.as_uri())
-        browser.wait("oceanSim.state.drawn > 1", 120.0)
+        browser.wait("window.oceanSim?.state.drawn > 1", 120.0)
         assert browser.js("document.getElementById('names').innerText").split() == ["shorter", run.name]
         browser.js("document.getElementById('scrub').value = 400; document.getElementById('scrub').oninput()")
         assert browser.js("oceanSim.state.worlds.map(world => world.time)") == pytest.approx([0.8, 0.8], abs=1e-3)
@@ -220,7 +220,7 @@ def test_in_virtual_reality_one_stands_at_the_helm_and_a_platform_moves_the_sea_
     with _chromium.Page((320, 240)) as browser:
         browser.ask("Page.addScriptToEvaluateOnNewDocument", source=HEADSET)
         browser.go(path.as_uri())
-        browser.wait("oceanSim.state.drawn > 0 && !document.getElementById('vr').hidden", 120.0)
+        browser.wait("window.oceanSim?.state.drawn > 0 && !document.getElementById('vr').hidden", 120.0)
         browser.js("document.getElementById('vr').onclick()")
         browser.wait("oceanSim.XR.drawn > 0")
         # Both of one moment: the replay goes on.
@@ -269,7 +269,7 @@ def test_a_scene_is_played_in_the_page(tmp_path):
         address = json.loads("".join(lines))["address"]
         with _chromium.Page((640, 480)) as browser:
             browser.go(address)
-            browser.wait("oceanSim.state.drawn > 1", 240.0)
+            browser.wait("window.oceanSim?.state.drawn > 1", 240.0)
             now = "[...oceanSim.state.worlds[0].heights].map(h => h.toFixed(4)).join()"
             still = browser.js(now)
             browser.wait(f"{now} !== {json.dumps(still)}")

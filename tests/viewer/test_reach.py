@@ -70,7 +70,7 @@ def opened(browser: _chromium.Page, server: Server) -> None:
     for k in range(3):
         server.show(frame(k), 0.05 * k)
         time.sleep(0.05)
-    browser.wait("oceanSim.state.drawn > 0", 120.0)
+    browser.wait("window.oceanSim?.state.drawn > 0", 120.0)
 
 
 def asked(server: Server, browser: _chromium.Page, do: str, seconds: float = 10.0) -> list:
@@ -198,11 +198,11 @@ def test_what_is_kept_is_kept(run, live, tmp_path):  # noqa: F811
         browser.ask("Browser.setDownloadBehavior", behavior="allow", downloadPath=str(tmp_path))
         opened(browser, live)
         browser.js("document.getElementById('still').click()")
-        downloaded(browser, tmp_path, "ocean_*.png")  # before the page is left
+        downloaded(browser, tmp_path, "a_barge_*.png")  # before the page is left
         size = browser.js("[document.getElementById('sea').width, document.getElementById('sea').height]")
         browser.js("document.getElementById('film').click()")  # nothing moves: the film is of the still picture
         browser.js("document.getElementById('film').click()")
-        downloaded(browser, tmp_path, "ocean_*.webm")
+        downloaded(browser, tmp_path, "a_barge_*.webm")
         assert browser.js("[document.getElementById('sea').width, document.getElementById('sea').height]") == size
         live.orders()
         browser.js("document.getElementById('record').click()")
@@ -213,7 +213,7 @@ def test_what_is_kept_is_kept(run, live, tmp_path):  # noqa: F811
         browser.wait("document.getElementById('said').textContent.includes('letters, digits')")
         both = replay_file([run, run], tmp_path / "both.html")
         browser.go(both.as_uri())
-        browser.wait("oceanSim.state.drawn > 1 && oceanSim.state.worlds.length === 2", 120.0)
+        browser.wait("window.oceanSim?.state.drawn > 1 && oceanSim.state.worlds.length === 2", 120.0)
         browser.js("document.getElementById('scrub').value = 250; document.getElementById('scrub').oninput()")
         clocks = browser.js("oceanSim.state.worlds.map((w) => w.time)")
         assert (
@@ -221,8 +221,8 @@ def test_what_is_kept_is_kept(run, live, tmp_path):  # noqa: F811
         )
         browser.js("document.getElementById('csv').click()")
         downloaded(browser, tmp_path, "*.csv")
-    assert next(tmp_path.glob("ocean_*.png")).read_bytes()[:4] == b"\x89PNG"
-    assert next(tmp_path.glob("ocean_*.webm")).read_bytes()[:4] == b"\x1aE\xdf\xa3"
+    assert next(tmp_path.glob("a_barge_*.png")).read_bytes()[:4] == b"\x89PNG"
+    assert next(tmp_path.glob("a_barge_*.webm")).read_bytes()[:4] == b"\x1aE\xdf\xa3"
     first, second = (tmp_path / "curves.csv").read_text().split("\n\n")
     assert first.splitlines()[1] == "time_s,elevation_centre_m" and first == second.rstrip()
     (tmp_path / "one.csv").write_text(f"{first}\n")

@@ -607,6 +607,11 @@ function keep(blob, name) {
   setTimeout(() => URL.revokeObjectURL(link.href), 2000);
 }
 
+function fileName(kind) {
+  const title = state.worlds[0].still.title.toLowerCase().replace(/[^a-z0-9]+/g, "_").slice(0, 60);
+  return `${title}_${state.time.toFixed(2)}s.${kind}`;
+}
+
 // What is seen as a film, from one press of the button to the next.
 function film() {
   if (film.tape) { film.end(); return; }
@@ -625,7 +630,7 @@ function film() {
     const whole = new Blob(parts, { type: "video/webm" });
     film.tape = null;
     mark(false);
-    if (whole.size) keep(whole, `ocean_${state.time.toFixed(0)}s.webm`); else say("The film has no picture: this browser drew none while it ran.", true);
+    if (whole.size) keep(whole, fileName("webm")); else say("The film has no picture: this browser drew none while it ran.", true);
   };
   tape.start(1000);
   mark(true);
@@ -636,8 +641,8 @@ function still() {
   const { scale } = state;
   if (!film.tape) state.scale = 1;  // a film keeps its size
   draw([1, 1, 0, 0]);
-  const name = state.worlds[0].still.title.toLowerCase().replace(/[^a-z0-9]+/g, "_").slice(0, 60);
-  canvas.toBlob((blob) => keep(blob, `${name}_${state.time.toFixed(2)}s.png`));
+  const name = fileName("png");
+  canvas.toBlob((blob) => keep(blob, name));
   Object.assign(state, { scale, dirty: true });
 }
 

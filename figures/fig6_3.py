@@ -12,7 +12,9 @@ to 0.3 m and a level 0.12 m lower, and of 4 sqrt m0 0.09 m have not gone after 1
 By delta_sph still air has 0.01 mm. A range of 8 m and a speed of 1 are the same gust, and one run.
 Every preset is noisy, so its seeds differ. Orange lines and arrows show a wind when it blew over the middle of the
 basin, crosses where it is nothing but noise. The third row is another water: spectral_sea, which is calm until the
-winds of the four printed presets press on it, on a tile of twice the basin; what they push along makes no waves there.
+winds of the four printed presets press on it, on a tile of twice the basin; what they push along makes no waves there,
+so that a vortex, which but for its noise only pushes along, leaves it flat. No period T_z is told of fewer than COUNTED
+waves.
 
 python figures/fig6_3.py [--fast] [--out DIR]
 """
@@ -42,7 +44,8 @@ GUST_SPEED, GUST_GAP, MIN_IRREGULAR_WAVES = (
     18.0,
 )  # [m/s], [m] from gust to gust, [s] when the first have passed
 SLICE = {"kind": "delta_sph", "spacing": 1.25, "kinematic_viscosity": 1.0}
-COUNTED = 20  # waves of all gauges from which a period is told in a picture
+COUNTED, FLAT = 20, 0.05  # waves of all gauges from which a period is told in a picture; [m] below which none is seen
+STEP = 0.5  # [m] to a multiple of which the range of colours is rounded up
 WEAK, LONGEST, TOP = 0.15, 9.0, 2.0  # arrows of which there are crosses instead; the longest [m]; how high they are [m]
 RING = 8.0  # [m] radius at which circulation is taken
 
@@ -187,28 +190,36 @@ def spread(values: list[float]) -> tuple[float, float]:
 
 
 def draw_figure(
-    seas: dict[str, tuple[View, str]],
-    spectral: dict[str, tuple[View, str]],
+    seas: dict[str, tuple[View, str, str]],
+    spectral: dict[str, tuple[View, str, str]],
     trends: dict[str, list[tuple[float, ...]]],
     seeds: int,
     path: Path,
 ) -> None:
-    """Draw the sea under each preset from above, also that of spectral_sea, and the four trends over so many seeds."""
+    """Draw the sea under each preset from above, also that of spectral_sea, and the four trends over so many seeds. The
+    colours reach to the highest crest and the lowest trough of all these seas."""
+    from matplotlib import colormaps
+    from matplotlib.colors import ListedColormap
+    from matplotlib.patheffects import withStroke
+
+    halo = {"path_effects": [withStroke(linewidth=2.4, foreground="white")], "zorder": 4}
+    light = ListedColormap(colormaps["RdBu_r"](np.linspace(0.05, 0.95, 256)))  # arrows are darker than any colour of it
+    drawn = [*seas.items(), *spectral.items()]
+    reach = STEP * np.ceil(max(np.abs(view.chart[2]).max() for _, (view, *_) in drawn) / STEP)
     blown = f"wind, {seeds} seeds:\nmean, standard deviation" if seeds > 1 else "wind, one seed"
     figure = paper(15.0, 14.8)
     axes = figure.subplots(4, 4, height_ratios=(1.15, 1.15, 1.15, 1.0))
-    for panel, (name, (view, caption)) in zip(axes[:3].ravel(), [*seas.items(), *spectral.items()]):
+    for panel, (name, (view, caption, turning)) in zip(axes[:3].ravel(), drawn):
         x, z, top = view.chart
-        image = panel.pcolormesh(x, z, top, vmin=-1.5, vmax=1.5, cmap="RdBu_r", shading="auto", rasterized=True)
+        image = panel.pcolormesh(x, z, top, vmin=-reach, vmax=reach, cmap=light, shading="auto", rasterized=True)
         letter = PRINTED.get(name, "")
-        panel.set_title(f"{letter}{name.replace('_', ' ')}\n{caption}", fontsize=9.5, loc="left")
+        panel.set_title(f"{letter}{name.replace('_', ' ')}{turning}\n{caption}", fontsize=9.5, loc="left")
         set_plan(panel, aspect="equal", xlim=(-20.0, 20.0), ylim=(-20.0, 20.0))
         lines, arrows, noise = marks(view.wind)
         panel.plot(*lines[[0, 2]], color=ORANGE, lw=1.2)
-        panel.quiver(
-            *arrows[:, [0, 2]].reshape(4, -1), color=INK, angles="xy", scale_units="xy", scale=1.0, width=0.008
-        )
-        panel.plot(*noise[[0, 2]], "x", color=INK, ms=5.0)
+        size = {"angles": "xy", "scale_units": "xy", "scale": 1.0, "width": 0.009}
+        panel.quiver(*arrows[:, [0, 2]].reshape(4, -1), color=INK, **size, **halo)
+        panel.plot(*noise[[0, 2]], "x", color=INK, ms=5.0, **halo)
     figure.colorbar(image, ax=axes[:3].ravel().tolist(), label="elevation [m]", shrink=0.6)
     for panel, (what, rows) in zip(axes[3], trends.items()):
         value, mean, deviation, still = np.array(rows).T
@@ -256,16 +267,21 @@ def draw_sea(view: View, name: str, lasts: float, path: Path) -> None:
     save_figure(figure, path, words)
 
 
-def summary(runs: list[Waves]) -> str:
-    """Text for a picture: height, period and circulation under a wind, with their spread over seeds."""
+def summary(runs: list[Waves]) -> tuple[str, str]:
+    """Texts for a picture: height and period under a wind, and circulation, with their spread over seeds."""
     rows = [spread([getattr(run, name) for run in runs]) for name in ("hm0", "tz", "circulation")]
     (hs, hs_sd), (tz, tz_sd), (turn, turn_sd) = rows
     several = len(runs) > 1
     turning = f", Γ {round(turn)}" + (f"±{turn_sd:.0f}" if several else "") + " m²/s" if np.isfinite(turn) else ""
-    height = f"$4\\sqrt{{m_0}}$ {hs:.2f}" + (f"±{hs_sd:.2f}" if several else "")
-    counted = np.isfinite(tz) and min(run.waves for run in runs) >= COUNTED  # else the record is too short for a period
-    period = f", $T_z$ {tz:.1f}" + (f"±{tz_sd:.1f}" if several else "") + " s" if counted else ""
-    return f"{height} m{period}{turning}"
+    height = f"$4\\sqrt{{m_0}}$ {hs:.2f}" + (f"±{hs_sd:.2f}" if several else "") + " m"
+    period = f"$T_z$ {tz:.1f}" + (f"±{tz_sd:.1f}" if several else "") + " s"
+    if hs < FLAT:
+        words = f"no waves: $4\\sqrt{{m_0}}$ {hs:.2f} m"
+    elif np.isfinite(tz) and min(run.waves for run in runs) >= COUNTED:  # else the record is too short for a period
+        words = f"{height}, {period}"
+    else:
+        words = f"{height}, no $T_z$: few waves"
+    return words, turning.replace("-", "−")
 
 
 def main() -> None:
@@ -279,8 +295,8 @@ def main() -> None:
     calm = sea("still", 40.0, seeds[0], lasts, resolution)[0].hm0
     columns = ["what", "value", "length_m", "seeds", "hm0_m", "hm0_sd_m", "still_hm0_m", "still_over_hm0"]
     columns += ["crest_m", "circulation_m2_s", "circulation_sd_m2_s", "sigmas", "hs_m", "hs_sd_m", "tz_s", "tz_sd_s"]
-    seas: dict[str, tuple[View, str]] = {}
-    spectral: dict[str, tuple[View, str]] = {}
+    seas: dict[str, tuple[View, str, str]] = {}
+    spectral: dict[str, tuple[View, str, str]] = {}
     trends: dict[str, list[tuple[float, ...]]] = {}
     rows = []
     finished: dict[str, tuple[list[Waves], list[View]]] = {}  # by wind and water
@@ -306,10 +322,10 @@ def main() -> None:
         numbers += [turn, scatter, sigmas, *spread([run.hs for run in runs]), *spread([run.tz for run in runs])]
         rows.append((what, value, length, len(seeds), *(f"{n:.4g}" if np.isfinite(n) else "" for n in numbers)))
         if what == "preset":
-            seas[value] = views[0], summary(runs)
+            seas[value] = views[0], *summary(runs)
             draw_sea(views[0], value, lasts, asked.out / f"fig6_3_{value}.png")
         elif what == "spectral_sea":
-            spectral[f"spectral sea, {value}"] = views[0], summary(runs)
+            spectral[f"spectral sea, {value}"] = views[0], *summary(runs)
         else:
             trends.setdefault(what, []).append((value, mean, deviation, still))
     head = [f"thesis_6000 at {resolution:g} times its spacing; from {SETTLED:g} to {lasts:g} s"]

@@ -3,25 +3,28 @@ the convergence of crests; and seas with that much foam, from a mast: CSV and PN
 
 The photograph of the thesis is not ours to show. The seas are fully developed (Pierson & Moskowitz 1964), their waves
 scattered around the wind as cos^2. Foam lies where the water of crests converges most, on as much of the sea as
-Monahan & O'Muircheartaigh (1980) saw white. The thesis's foam is height over 0.8 m, cut to 0 and 1, whatever the wind.
+Monahan & O'Muircheartaigh (1980) saw white. A piece of a sea may have far more or less: each picture shows the moment,
+of MOMENTS, at which the white share of its pixels is nearest to that of the sea. The thesis's foam is height over
+0.8 m, cut to 0 and 1, whatever the wind.
 fig6_4_bare.png shows the seas with nothing drawn but their waves: no far sea, ripples, foam or scattered sky.
 
 python figures/fig6_4.py [--fast] [--out DIR]
 """
 
-from collections.abc import Sequence
+from dataclasses import replace
 from math import erf, exp, pi, sqrt
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
-from _kept import BARE, save_picture, take_pictures, write_still_sea
+from _kept import BARE, save_picture, take_pictures, view_rays, write_still_sea
 from _options import options, progress
 from _paper import BLUE, INK, ORANGE, PALE, RED, paper, save_figure, save_table
 
 from ocean_sim.conventions import GRAVITY
-from ocean_sim.pictures.water.foam import monahan_cover, white_shares
+from ocean_sim.pictures.water.foam import gathering_noise, monahan_cover, white_shares
+from ocean_sim.pictures.water.sea import GATHERING_LENGTH
 from ocean_sim.random_numbers import numpy_uniform
 from ocean_sim.waves import SPECTRUM_WAVES, Components, Spectrum, wavenumber
 
@@ -30,8 +33,9 @@ PHILLIPS, PEAK = 0.0081, 0.13  # of the spectrum; peak frequency times wind over
 FULL = 0.8  # [m] height at which the thesis's foam is whole
 DEPTH, SIDE, POINTS = 500.0, 6.0, 512  # [m], [peak wavelengths], along a side
 SHORTEST, SHORTEST_SEEN = 6.0, 10.0  # [peak frequencies] of the waves that are reckoned with, and drawn
-PATCH = 160.0  # [m] side of the sea on which the drawn foam is measured
-VIEW = {"camera": "fixed", "eye": (-40.0, 30.0, 70.0), "target": (10.0, 0.0, 5.0)}
+PATCH, NODES = 240.0, 257  # [m] side of the sea on which the drawn foam is measured, and nodes along it
+VIEW = {"camera": "fixed", "eye": (-43.6, 40.0, 61.0), "target": (0.0, -12.5, 0.0)}  # nothing in it is beyond PATCH
+MOMENTS = np.arange(0.0, 30.0, 0.5)  # [s]
 
 
 def developed(wind: float) -> tuple[float, float]:
@@ -55,11 +59,15 @@ def sea(wind: float, points: int) -> tuple[np.ndarray, np.ndarray]:
     horizontal displacement, by linear theory."""
     waves = spread_waves(wind, SHORTEST)
     side = SIDE * 2.0 * pi / float(wavenumber(2.0 * pi / developed(wind)[1], DEPTH))
-    along = (np.arange(points) + 0.5) / points * side - side / 2
+    return on_grid(waves, (np.arange(points) + 0.5) / points * side - side / 2)
+
+
+def on_grid(waves: Components, along: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Elevation (n, n) [m] of waves at time 0 at places `along` x and along z (n,) [m], and convergence of crests."""
     # a sum of plane waves is a product of what they do along x and along z
     x, z = (np.exp(1j * np.outer(along, waves.wavevector[:, k])) for k in range(2))
     carried = waves.amplitude * np.exp(1j * waves.phase)
-    return ((z * carried) @ x.T).real, ((z * (carried * waves.wavenumber)) @ x.T).real
+    return ((x * carried) @ z.T).real, ((x * (carried * waves.wavenumber)) @ z.T).real
 
 
 def cos2_angles(uniform: np.ndarray) -> np.ndarray:
@@ -79,23 +87,48 @@ def mean_foam_by_height(height: float) -> float:
     return s / (FULL * sqrt(2.0 * pi)) * (1.0 - exp(-((FULL / s) ** 2) / 2.0)) + 0.5 * (1.0 - erf(FULL / s / sqrt(2.0)))
 
 
-def sea_pictures(winds: Sequence[float], size: tuple[int, int]) -> tuple[np.ndarray, np.ndarray]:
-    """Pictures (n, height, width, 3) of the seas of some winds, with their foam, and the same ones bare."""
+def white_in_view(waves: Components, cover: float) -> float:
+    """White share of the pixels of VIEW when foam is on a share `cover` of PATCH."""
+    from scipy.ndimage import map_coordinates
+
+    nodes = np.linspace(-PATCH / 2, PATCH / 2, NODES)
+    grain = gathering_noise(np.array(np.meshgrid(nodes, nodes, indexing="ij")).reshape(2, -1) / GATHERING_LENGTH)
+    height, convergence = on_grid(waves, nodes)
+    white = white_shares(convergence * grain.reshape(NODES, NODES), cover)
+    eye, rays = view_rays(VIEW, 4 / 3, 36)
+    along = np.linspace(0.5, 1.4, 120)[:, None, None]  # of the way to still water
+    points = eye - along * eye[1] * rays / rays[:, 1:2]
+    at = np.moveaxis((points[..., [0, 2]] / PATCH + 0.5) * (NODES - 1), -1, 0)
+    met = np.argmax(points[..., 1] <= map_coordinates(height, at, order=1, mode="nearest"), axis=0)
+    return float(map_coordinates(white, at[:, met, np.arange(len(rays))], order=1, mode="nearest").mean())
+
+
+def typical_moment(wind: float, moments: np.ndarray) -> tuple[Components, float, float]:
+    """Waves of a sea at that of some moments [s] at which the white share of the pixels is nearest to that of the sea;
+    the moment [s] and the share."""
+    waves, cover = spread_waves(wind, SHORTEST_SEEN), monahan_cover(wind)
+    later = [replace(waves, phase=waves.phase - waves.omega * time) for time in moments]
+    shares = np.array([white_in_view(sea, cover) for sea in later])
+    best = int(np.abs(shares - cover).argmin())
+    return later[best], float(moments[best]), float(shares[best])
+
+
+def sea_pictures(seas: dict[float, Components], size: tuple[int, int]) -> tuple[np.ndarray, np.ndarray]:
+    """Pictures (n, height, width, 3) of seas by their winds, with their foam, and the same ones bare."""
     with TemporaryDirectory() as place:
         given: list[dict[str, Any]] = []
-        for wind in winds:
-            waves = spread_waves(wind, SHORTEST_SEEN)
+        for wind, waves in seas.items():
             folder = write_still_sea(waves, PATCH, Path(place, f"{wind:g}"))
             given.append({"folder": str(folder), "foam_cover": monahan_cover(wind)})
         view = VIEW | {"size": size, "quality": "draft" if size[0] < 500 else "final"}
         pictures = take_pictures(Path(given[0]["folder"]), 0.0, given + [one | BARE for one in given], **view)
-    return pictures[: len(winds)], pictures[len(winds) :]
+    return pictures[: len(seas)], pictures[len(seas) :]
 
 
-def draw_figure(rows: list[tuple], winds: Sequence[float], pictures: np.ndarray, path: Path) -> None:
-    """Draw foam cover over wind speed, and the seas with their foam."""
+def draw_figure(rows: list[tuple], shares: dict[float, float], pictures: np.ndarray, path: Path) -> None:
+    """Draw foam cover over wind speed, and the seas with their foam; `shares`: white shares of the pictures by wind."""
     figure = paper(13.5, 7.2)
-    grid = figure.add_gridspec(2, len(winds), height_ratios=(1.35, 1.0))
+    grid = figure.add_gridspec(2, len(shares), height_ratios=(1.35, 1.0))
     axes = figure.add_subplot(grid[0, :])
     wind, _, _, wanted, cover, _, mean, expected = np.array(rows).T
     axes.semilogy(wind, 100 * expected, color=RED, lw=1.8, ls="--", label="thesis, height over 0.8 m: closed form")
@@ -106,18 +139,20 @@ def draw_figure(rows: list[tuple], winds: Sequence[float], pictures: np.ndarray,
     axes.set_yticks([0.1, 1.0, 10.0, 100.0], ["0.1", "1", "10", "100"])
     axes.grid(color=PALE, lw=0.7)
     axes.legend(loc="lower right", ncols=2)
-    for k, (speed, picture) in enumerate(zip(winds, pictures)):
+    for k, ((speed, share), picture) in enumerate(zip(shares.items(), pictures)):
         panel = figure.add_subplot(grid[1, k])
         panel.imshow(picture)
         panel.set_title(
-            f"{speed:g} m/s, $H_s$ {developed(speed)[0]:.1f} m: {100 * monahan_cover(speed):.1f} %", fontsize=10
+            f"{speed:g} m/s, $H_s$ {developed(speed)[0]:.1f} m: {100 * monahan_cover(speed):.1f} %, "
+            f"here {100 * share:.1f} %",
+            fontsize=10,
         )
         panel.set_axis_off()
-    save_figure(figure, path, "A picture shows a piece of the sea whose white part its title names")
+    save_figure(figure, path, "A title names the white part of the whole sea, and of the piece that is shown")
 
 
 def main() -> None:
-    asked = options(__doc__, "fewer points and winds, small pictures")
+    asked = options(__doc__, "fewer points, winds and moments, small pictures")
     points = 128 if asked.fast else POINTS
     winds = sorted({*WINDS[:: 4 if asked.fast else 1].tolist(), *SHOWN})
     rows = []
@@ -133,10 +168,14 @@ def main() -> None:
     head = [f"fully developed seas of {SPECTRUM_WAVES} waves, {points} x {points} points over six peak wavelengths"]
     head += ["foam where the convergence of crests is above `convergence`; thesis: height over 0.8 m, cut to 0 and 1"]
     columns = ["u10_m_s", "hm0_m", "tp_s", "measured_at_sea", "drawn", "convergence", "thesis", "thesis_closed_form"]
+    chosen = {wind: typical_moment(wind, MOMENTS[:: 6 if asked.fast else 1]) for wind in SHOWN}
+    seen = [f"{share:.4f} at {wind:g} m/s after {time:g} s" for wind, (_, time, share) in chosen.items()]
+    head += [f"white shares of the pixels of the pictures: {', '.join(seen)}"]
     save_table(asked.out / "fig6_4.csv", head, columns, rows)
-    pictures, bare = sea_pictures(SHOWN, (320, 240) if asked.fast else (800, 600))
+    seas = {wind: waves for wind, (waves, _, _) in chosen.items()}
+    pictures, bare = sea_pictures(seas, (320, 240) if asked.fast else (800, 600))
     save_picture(asked.out / "fig6_4_bare.png", np.concatenate(list(bare), axis=1))
-    draw_figure(rows, SHOWN, pictures, asked.out / "fig6_4.png")
+    draw_figure(rows, {wind: share for wind, (_, _, share) in chosen.items()}, pictures, asked.out / "fig6_4.png")
     progress(1.0, "done")
 
 

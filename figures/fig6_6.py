@@ -1,8 +1,8 @@
-"""Figure 6-6: the sea from the helm: one picture, and a clip of it, of a yacht that sails through waves of 1.5 m; what
-the helmsman feels next to it: CSV, PNG and MP4.
+"""Figure 6-6: the sea from the helm of a yacht that sails through waves of 1.5 m, and what the helmsman feels: CSV, PNG
+and MP4.
 
-The eye is at the helm and goes with the ship. fig6_6_bare.png is the same view with nothing drawn that the run does not
-know: no far sea, ripples, foam or scattered sky.
+The eye is at the helm and goes with the ship. fig6_6.mp4 is a clip of that view, 5 s long. fig6_6_bare.png is the same
+view with nothing drawn that the run does not know: no far sea, ripples, foam or scattered sky.
 
 python figures/fig6_6.py [--fast] [--out DIR]
 """

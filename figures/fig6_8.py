@@ -1,9 +1,9 @@
 """Figure 6-8: ships under way: a catamaran by its manoeuvring model in still water, a yacht in a closed-form sea and
-the same yacht on the surface of particles under a gust; tracks and motions, pictures of the second voyage, and a clip
-of it: CSV, PNG and MP4.
+the same yacht on the surface of particles under a gust; tracks and motions, and pictures of the second voyage: CSV, PNG
+and MP4.
 
-fig6_8_bare.png is the last of its pictures with nothing drawn that the run does not know: no far sea, ripples, foam or
-scattered sky.
+fig6_8.mp4 is a clip of the second voyage, 6 s long. fig6_8_bare.png is the last of the pictures with nothing drawn that
+the run does not know: no far sea, ripples, foam or scattered sky.
 
 python figures/fig6_8.py [--fast] [--out DIR]
 """

@@ -166,9 +166,8 @@ def draw_figure(found: list[Stage], path: Path) -> None:
     axes.plot([driver, driver, ship + 0.8 * wide], [1.0, 0.45, 0.45], color=INK, lw=1.3)
     axes.plot([ship + 0.8 * wide, ship + wide + 0.35, ship + wide + 0.35], [0.45, 0.45, 5.6], color=INK, lw=1.3)
     arrow(axes, (ship + wide + 0.35, 5.6), (ship + wide, 5.6), "")
-    axes.text(
-        7.4, 0.5, "throttle and rudder: rows, a file, an autopilot, a person", ha="center", va="bottom", fontsize=8.5
-    )
+    way = "throttle and rudder, by the person on it; or else by rows, a file, an autopilot"
+    axes.text(7.4, 0.5, way, ha="center", va="bottom", fontsize=8.5)
     save_figure(figure, path, f"Observers watch from outside: {', '.join(kinds('observers'))}")
 
 

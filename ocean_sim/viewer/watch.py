@@ -186,8 +186,8 @@ class Watch(Observer, TakesCommands):
                 (f"pitch_{name}", f"pitch{whose}", "deg", "angles", pitch),
                 (f"yaw_{name}", f"heading{whose}", "deg", "yaw", yaw),
                 (f"speed_{name}", f"speed ahead{whose}", "m/s", "speed", float(body.velocity @ body.matrix[:, 2])),
-                (f"throttle_{name}", f"throttle{whose}", "1", "orders", throttle),
-                (f"rudder_{name}", f"rudder{whose}", "deg", "orders", np.degrees(rudder)),
+                (f"throttle_{name}", f"throttle{whose}", "%", "throttle", 100.0 * throttle),
+                (f"rudder_{name}", f"rudder{whose}", "deg", "rudder", np.degrees(rudder)),
             ]
         if self.commands is not None:
             rows += [(f"leg{k}", f"leg {k}", "m", "legs", leg) for k, leg in enumerate(self.commands[6:], 1)]

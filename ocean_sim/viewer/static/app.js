@@ -56,14 +56,21 @@ function begin(stills) {
   $("whichShip").value = camera.ship;
   $("windText").textContent = still.windStylised ? " This one is a stylised force field, thousands of times stronger than a real wind; stress is a real one." : "";
   $("wavesText").textContent = sayWaves(still);
-  const words = [["wavemaker", "#cc7533", still.plates], ["absorbs waves", "#c9b878", still.zones.length], ["gauge", "#f26b1a", still.plates || still.zones.length]].filter(([, , there]) => there);
+  const words = [["wavemaker", "#cc7533", still.plates], ["absorbs waves", "#c9b878", still.zones.length], ["gauge", "#d81f59", Object.keys(still.gauges).length]].filter(([, , there]) => there);
   $("things").innerHTML = words.map(([word, hue]) => `<span style="--hue:${hue}">${word}</span>`).join("");
   $("things").hidden = !words.length || state.worlds.length > 1;
   const tints = still.speeds.map((rgb) => `rgb(${rgb.map((v) => Math.round(255 * v))})`);
   document.querySelector("#legend i").style.background = `linear-gradient(90deg, ${tints})`;
   $("strip").hidden = state.worlds.length > 1;
+  offerLines();
   helmBar();
   state.dirty = true;
+}
+
+// Lines are offered where there are any: of a basin that is no piece of sea, or of a wind.
+function offerLines() {
+  const { surfaces, still } = state.worlds[0];
+  $("showLines").parentElement.hidden = !!surfaces.sea && !still.tank && (state.panel ? state.panel.wind === "still" : still.windAngle === null);
 }
 
 // The value of a slider by the first words of its label, as it stands now.
@@ -249,8 +256,8 @@ function numbers(head) {
   $("pace").hidden = state.paused;
   $("pace").textContent = head.time ? paceWords(head) : "compiling ...";
   if (performance.now() - state.steered < 1500) return;
-  const throttle = reading(head, "orders", "throttle"), rudder = reading(head, "orders", "rudder");
-  if (throttle === undefined || (throttle === state.throttle && rudder === state.steeredTo)) return;
+  const throttle = reading(head, "throttle", "") / 100, rudder = reading(head, "rudder", "");
+  if (Number.isNaN(throttle) || (throttle === state.throttle && rudder === state.steeredTo)) return;
   Object.assign(state, { throttle, rudder: (rudder * Math.PI) / 180, steeredTo: rudder });
   helmShows();
 }
@@ -294,7 +301,7 @@ function instruments() {
   turn("seaMark", exact && waves.length ? Math.atan2(...going) : null);
   turn("windMark", still.windAngle === null ? null : 0.5 * Math.PI - still.windAngle);
   if (ship?.steered) {
-    const speed = reading(head, "speed", ""), rudder = reading(head, "orders", "rudder");
+    const speed = reading(head, "speed", ""), rudder = reading(head, "rudder", "");
     if (speed !== undefined) add("Speed", `${fixed(speed / 0.514444)} kn`, `${fixed(speed)} m/s`);
     add("Heading", sided((Math.atan2(ship.pose[8], ship.pose[10]) * 180) / Math.PI), "of north (+z)");
     if (rudder !== undefined) add("Rudder", ...`${sided(rudder)} `.split(" "));
@@ -303,7 +310,7 @@ function instruments() {
   const high = regular && exact ? 2 * waves[0][0] : (reading(head, "height", "") ?? world.height) / (regular ? Math.SQRT2 : 1);  // of a sine
   const stated = slid("wave period") || still.waves.peak_period || still.waves.period, period = stated || crossingPeriod();
   if (high > 0.005 && (exact || stated || still.windSpeed || world.ships.length)) {
-    add(regular ? "H" : "H<sub>s</sub>", `${high.toFixed(high < 1 ? 2 : 1)} m`, regular && exact ? "of the wave" : "now");
+    add(regular ? "H" : "H<sub>s</sub>", `${high.toFixed(high < 1 ? 2 : 1)} m`, regular && exact ? "of the wave" : still.sea.ramp > world.time ? "growing" : "now");
     if (period) add(regular ? "T" : stated ? "T<sub>p</sub>" : "T<sub>z</sub>", `${period.toFixed(1)} s`, stated ? "stated" : "at the gauge", true);
   }
   add("Depth", `${+(-still.basin.lower[1]).toPrecision(3)} m`, "", !!ship?.steered);
@@ -437,7 +444,7 @@ function panel(now) {
     }
   }
   const ship = now.ships[camera.ship], world = state.worlds[0];
-  if (world) $("showLines").parentElement.hidden = !!world.surfaces.sea && !world.still.tank && now.wind === "still";  // there are none
+  if (world) offerLines();
   if (ship && world) world.route = ship.route;
   if (world && now.sea) world.still.sea = now.sea;
   helmBar();
@@ -464,7 +471,7 @@ function helmShows() {
   $("rudder").value = -degrees;
   $("throttle").value = state.throttle;
   $("rudderOut").textContent = sided(degrees);
-  $("throttleOut").textContent = `${Math.round(100 * state.throttle)} %`;
+  $("throttleOut").textContent = `${Math.round(100 * state.throttle)} %`.replace("-", "−");
   $("wheelTurn").setAttribute("transform", `rotate(${-degrees * WHEEL_TURN})`);
 }
 
@@ -575,6 +582,8 @@ function picking(on) {
   const [x, y] = middle();
   $("cross").style.left = `${x}px`;
   $("cross").style.top = `${y}px`;
+  const world = state.worlds[0], speed = reading(world.after, "speed", "");
+  if (!world.route.length && speed > 0.5) $("routeSpeed").value = (Math.round(2 * speed) / 2).toFixed(1);
   say("Click on the water, waypoint by waypoint; or move the cross with Shift and W A S D, and press Enter.");
   canvas.focus();
 }
@@ -765,7 +774,7 @@ function draw(free = freeBox(state.worlds.length)) {
     if (!world.after) return;
     world.seen = shifted(camera.eye(world, w, height, free), free);
     const ship = world.ships[camera.ship] || world.ships[0];
-    const helm = camera.mode === "helm" && ship && { ship, rudder: ((reading(world.after, "orders", "rudder") || 0) * Math.PI) / 180 };
+    const helm = camera.mode === "helm" && ship && { ship, rudder: ((reading(world.after, "rudder", "") || 0) * Math.PI) / 180 };
     world.draw(world.seen, state.content, { ...options, helm });
   });
   const first = state.worlds[0];

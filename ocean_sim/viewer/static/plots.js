@@ -1,7 +1,7 @@
 // Curves over time: one card for each group of numbers, the last of them in words.
 const TITLES = {
   elevation: "Elevation at the gauges", height: "Significant wave height", heave: "Heave: height of the centre of mass", angles: "Roll and pitch", yaw: "Heading to port of north",
-  speed: "Speed ahead", orders: "Throttle, and rudder to port", legs: "Legs of the platform", compression: "Compression of the water",
+  speed: "Speed ahead", throttle: "Throttle", rudder: "Rudder to port", legs: "Legs of the platform", compression: "Compression of the water",
   pace: "Simulated over wall time", dt: "Time step", cost: "Cost of each stage",
 };
 const HUES = {

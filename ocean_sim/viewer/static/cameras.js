@@ -92,7 +92,7 @@ class Camera {
   helm(ship, width, height, free) {
     const m = ship.pose, position = M.point(m, ship.helm), c = Math.cos(this.turn), s = Math.sin(this.turn);
     const ahead = M.turn(m, V.unit([s, -0.06 + Math.tan(this.tilt), c])), up = M.turn(m, [0, 1, 0]);
-    const angle = 2 * Math.atan(Math.tan(0.5 * (width < height ? HELM * 1.2 : HELM)) * clamp(0.8 / free[1], 1, 4));  // the wheel is over the bars
+    const angle = 2 * Math.atan(Math.tan(0.5 * (width < height ? HELM * 1.2 : HELM)) * clamp(0.8 / free[1], 1, 3));  // the wheel is over the bars
     return {
       position, target: V.add(position, ahead), angle, width, pixels: height, view: M.look(position, V.add(position, ahead), up),
       projection: M.perspective(angle, width / height, 0.08, 30000),

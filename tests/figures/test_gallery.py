@@ -77,9 +77,7 @@ def test_the_docs_show_every_picture_with_its_commands(monkeypatch):
     shown = page().replace(" \\\n    ", " ")  # long commands go on in the next line
     for entry in gallery.gallery_entries():
         simulate, draw = gallery.show_entry(entry)
-        assert f"/{entry.picture}\n" in shown and 0 <= shown.find(f"\n{simulate}\n") < shown.find(
-            f"\n{draw}\n"
-        ), draw
+        assert f"/{entry.picture}\n" in shown and 0 <= shown.find(f"\n{simulate}\n") < shown.find(f"\n{draw}\n"), draw
         assert shown.count(simulate) == 1, "a folder that holds a run is refused to another one"
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from _options import Said
 
 from ocean_sim.observers import render
-from ocean_sim.pictures.stage.camera import VIEW_ANGLE
+from ocean_sim.pictures.stage.camera import camera_looking
 from ocean_sim.reading.scene import load
 from ocean_sim.simulation import Simulation
 from ocean_sim.waves import Components, elevation
@@ -66,13 +66,9 @@ def take_pictures(folder: Path, time: float, switched: Sequence[dict[str, Any]],
 def view_rays(view: dict[str, Any], aspect: float, rows: int) -> tuple[np.ndarray, np.ndarray]:
     """Eye (3,) [m] of a `fixed` camera, and directions (n, 3) through the middles of an even grid of pixels of its
     picture, of so many rows; `aspect`: width over height."""
-    eye, target = (np.array(view[key]) for key in ("eye", "target"))
-    ahead = (target - eye) / np.linalg.norm(target - eye)
-    right = np.cross(ahead, [0.0, 1.0, 0.0]) / np.hypot(ahead[0], ahead[2])
-    high = np.tan(np.radians(VIEW_ANGLE) / 2.0)
-    v, u = (((np.arange(n) + 0.5) / n * 2.0 - 1.0) * high for n in (rows, round(rows * aspect)))
-    v, u = (part.reshape(-1, 1) for part in np.meshgrid(v, u * aspect, indexing="ij"))
-    return eye, ahead + v * np.cross(right, ahead) + u * right
+    camera = camera_looking(np.array(view["eye"]), np.array(view["target"]))
+    v, u = ((np.arange(n) + 0.5) / n * 2.0 - 1.0 for n in (rows, round(rows * aspect)))
+    return camera.eye, camera.rays(aspect * u, v)
 
 
 def save_film(folder: Path, path: Path, **options: Any) -> None:

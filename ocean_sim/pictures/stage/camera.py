@@ -50,13 +50,16 @@ class Camera(NamedTuple):
         """True if the camera looks straight down, or nearly so: its picture is a map."""
         return bool(self.forward[1] < MAP_DIRECTION)
 
+    def rays(self, u: np.ndarray, v: np.ndarray) -> np.ndarray:
+        """Directions (k, 3) through all places of the picture at `u` to the right and `v` up, 1 at its upper edge."""
+        up, right = (part.reshape(-1, 1) for part in np.meshgrid(v, u, indexing="ij"))
+        across = up * self.up + right * np.cross(self.forward, self.up)
+        return self.forward + np.tan(np.radians(self.angle) / 2.0) * across
+
     def spread(self, aspect: float) -> tuple[float, float]:
         """Largest angles [rad] seen beside the heading and below the horizon; `aspect`: picture's width over height."""
-        right = np.cross(self.forward, self.up)
-        high = np.tan(np.radians(self.angle) / 2.0)
-        v, u = (part.ravel() for part in np.meshgrid(np.linspace(-1.0, 1.0, 9), np.linspace(-1.0, 1.0, 9)))
-        rays = self.forward + high * (v[:, None] * self.up + aspect * u[:, None] * right)
-        rays /= np.linalg.norm(rays, axis=1, keepdims=True)
+        ends = np.linspace(-1.0, 1.0, 9)
+        rays = unit_vector(self.rays(aspect * ends, ends))
         level = np.hypot(rays[:, 0], rays[:, 2])
         lowest = float(np.arcsin(np.clip(-rays[:, 1], 0.0, 1.0)).max())
         if level.min() < 0.3:

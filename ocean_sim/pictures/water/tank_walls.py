@@ -11,7 +11,7 @@ from ocean_sim.pictures.water import water_glsl
 from ocean_sim.pictures.water.water_surface import round_up
 from ocean_sim.surface import Mesh, sheet
 
-EDGE_COLOUR = "#eef3f6"
+EDGE_LOOK = {"color": "#eef3f6", "opacity": 0.5}  # of the edges of a tank
 # Of bed and walls of an absorbing zone; share of its height by which the tint lies over the bed
 ZONE_TINT, TINT_LIFT = {"color": "#e8b23c", "opacity": 0.35}, 0.02
 PANEL_OFFSET = 0.004  # of a tank's height by which bed and walls are drawn outside the water
@@ -59,8 +59,7 @@ def add_ground(stage: Stage, low: np.ndarray, up: np.ndarray) -> None:
 def add_edges(stage: Stage, low: np.ndarray, top: np.ndarray, zones: np.ndarray) -> None:
     """Add the edges of a tank from `low` to `top` [m], and tint the inside of absorbing zones (n, 2, 3) [m]."""
     box = stage.pyvista.Box(np.stack([low, top], axis=1).ravel()).extract_feature_edges(30.0)
-    thick = 1.5 * stage.samples
-    stage.over.append(stage.plotter.add_mesh(box, color=EDGE_COLOUR, opacity=0.5, line_width=thick, lighting=False))
+    stage.over.append(stage.plotter.add_mesh(box, line_width=1.5 * stage.samples, lighting=False, **EDGE_LOOK))
     for zone in zones:
         zone = zone + np.outer([TINT_LIFT, 0.0], [0.0, zone[1, 1] - zone[0, 1], 0.0])  # over a flat bed of sand
         stage.plotter.add_mesh(stage.pyvista.Box(zone.T.ravel()), culling="front", lighting=False, **ZONE_TINT)

@@ -832,7 +832,7 @@ function tick(now) {
     const begun = performance.now();
     draw();
     state.drawn++;
-    state.dirty = ["follow", "side"].includes(camera.mode) && state.worlds.some((world) => world.turning);
+    state.dirty = state.worlds.some((world) => world.turning);
     if (state.worlds[0].after && !$("cover").classList.contains("gone")) $("cover").classList.add("gone");
     // Coarser pixels where the machine cannot follow; a film keeps its size.
     slow = 0.92 * slow + 0.08 * Math.max(seconds * 1000, performance.now() - begun);

@@ -45,6 +45,7 @@ class Camera {
 
   // {position, view, projection, angle, pixels, width}; `free`: the shares of width and height that no panel hides.
   eye(world, width, height, free) {
+    world.turning = false;  // whether the camera still turns after a ship
     const aspect = width / height, ship = world.ships[this.ship] || world.ships[0], pose = ship && world.poses[world.ships.indexOf(ship)];
     let mode = this.modes(world).includes(this.mode) ? this.mode : "orbit";
     if (mode === "helm" && pose && ship.steered) return this.helm(ship, width, height, free);

@@ -272,7 +272,7 @@ class World {
     return (at(a, b) * (1 - s) + at(a + 1, b) * s) * (1 - t) + (at(a, b + 1) * (1 - s) + at(a + 1, b + 1) * s) * t;
   }
 
-  // Height of the water around a ship [m]; in her footprint that of particles follows her bottom.
+  // Height of the water around a ship [m], the mean of a ring.
   levelAround(k) {
     const { beam, length, pose } = this.ships[k], [x, , z] = this.poses[k].position, c = pose[10], s = pose[8], n = 12;
     const heights = Array.from({ length: n }, (_, i) => {

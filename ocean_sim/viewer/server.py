@@ -38,7 +38,7 @@ MESSAGE_BURST, MESSAGE_RATE = 240, 120  # of one watcher, at once and in a secon
 MAX_SEND_SECONDS = 30.0  # [s] for one message to a watcher, or for some progress with a file
 REASON_BYTES = 120  # of the reason of a close; its frame holds 123
 HISTORY_SECONDS, HISTORY_MOMENTS, HISTORY_BYTES = 60.0, 600, 48_000_000  # simulated [s], frames, bytes for a new page
-HISTORY_GAP = 2.0  # simulated [s] without a page, over which nothing is kept
+HISTORY_GAP = 2.0  # simulated [s] without a frame, as at great pace without a page, over which nothing is kept
 HELM_IDLE_SECONDS = 60.0  # [s] without a command, until another page may take the helm
 SECURITY_POLICY = (
     "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src 'self' data: blob:; "
@@ -96,8 +96,7 @@ class History:
         self.interval = 0.0  # [s] between frames, at least
 
     def add(self, time: float, frame: bytes) -> None:
-        """Keep a frame of a time [s]; drop every second one if they are too many or, as with particles, too large, and
-        all of a time before nobody watched."""
+        """Keep a frame of a time [s]; drop every second one if they are too many or too large, and all before a gap."""
         if self.frames and time < self.frames[-1][0] + max(self.interval, 1e-6):
             return
         if self.frames and time > self.frames[-1][0] + max(3.0 * self.interval, HISTORY_GAP):

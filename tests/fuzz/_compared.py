@@ -297,10 +297,10 @@ def mirrored(twins: Twins) -> list[str] | None:
         if vector:
             vector[0] = -vector[0]
     floor = other["basin"].get("floor")
-    if isinstance(floor, dict) and floor.get("grid"):
-        return None
-    if isinstance(floor, dict) and floor.get("profile"):
-        floor["profile"] = [[-x, y] for x, y in floor["profile"][::-1]]
+    if isinstance(floor, dict):
+        if floor.get("grid"):
+            return None
+        floor["profile"] = [[-x, y] for x, y in (floor.get("profile") or [])[::-1]] or None
     walls = other["basin"].get("walls")
     if isinstance(walls, dict):
         other["basin"]["walls"] = {SWAPPED.get(side, side): kind for side, kind in walls.items()}
